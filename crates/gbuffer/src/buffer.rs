@@ -1,0 +1,126 @@
+//! The grid of hits.
+
+use crate::Hit;
+use scene::{Camera, Model, Viewport};
+use serde_json::{Value, json};
+
+/// Marks a pixel without a hit.
+const NO_HIT: u32 = u32::MAX;
+
+/// Where a G-buffer comes from: what a reader needs to repeat or to judge it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meta {
+    /// Which renderer made it: `raster`, `gpu`, `raycast`, or the name of a foreign one.
+    pub renderer: String,
+    /// The technique: `fragment`, or `rays` for the ray caster.
+    pub technique: String,
+    /// Name of the model.
+    pub model: String,
+    /// [`Model::hash`] of the model.
+    pub model_hash: String,
+    /// The camera, as the JSON that `scene::Camera` serialises to.
+    pub camera: Value,
+    /// GPU adapter, where one was used.
+    pub adapter: Option<String>,
+    /// Its driver.
+    pub driver: Option<String>,
+    /// Version of the program.
+    pub version: String,
+}
+
+impl Meta {
+    /// The facts of a rendering of `model` as `camera` sees it, by a renderer of this program.
+    pub fn new(renderer: &str, technique: &str, model: &Model, camera: &Camera) -> Self {
+        Self {
+            renderer: renderer.to_owned(),
+            technique: technique.to_owned(),
+            model: model.name().to_owned(),
+            model_hash: model.hash(),
+            camera: json!(camera),
+            adapter: None,
+            driver: None,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        }
+    }
+}
+
+/// A viewport of hits. Memory is 4 bytes a pixel and one [`Hit`] a covered pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GBuffer {
+    viewport: Viewport,
+    meta: Meta,
+    /// Per pixel, row-major from the top: index into `hits`, or [`NO_HIT`].
+    index: Vec<u32>,
+    hits: Vec<Hit>,
+    /// Pixels that the renderer could not decide, in row-major order.
+    undecided: Vec<u32>,
+}
+
+impl GBuffer {
+    /// Gathers the rows of a picture, top row first; each row holds one entry a pixel.
+    ///
+    /// # Panics
+    /// Where the rows do not fill the viewport.
+    pub fn from_rows(viewport: Viewport, meta: Meta, rows: impl IntoIterator<Item = Vec<Option<Hit>>>) -> Self {
+        let mut index = Vec::with_capacity(viewport.pixels());
+        let mut hits = vec![];
+        for row in rows {
+            assert_eq!(row.len(), viewport.width(), "a row is as wide as the viewport");
+            for hit in row {
+                index.push(if hit.is_some() { hits.len() as u32 } else { NO_HIT });
+                hits.extend(hit);
+            }
+        }
+        assert_eq!(index.len(), viewport.pixels(), "there are as many rows as the viewport is high");
+        Self { viewport, meta, index, hits, undecided: vec![] }
+    }
+
+    /// The same buffer with a list of pixels (x, y) that the renderer could not decide.
+    pub fn with_undecided(mut self, pixels: impl IntoIterator<Item = (usize, usize)>) -> Self {
+        self.undecided = pixels.into_iter().map(|(x, y)| (y * self.viewport.width() + x) as u32).collect();
+        self.undecided.sort_unstable();
+        self
+    }
+
+    /// The size.
+    pub fn viewport(&self) -> Viewport {
+        self.viewport
+    }
+
+    /// Where it comes from.
+    pub fn meta(&self) -> &Meta {
+        &self.meta
+    }
+
+    /// The hit of pixel (x, y), or `None` where nothing is seen.
+    ///
+    /// # Panics
+    /// Outside the viewport.
+    pub fn get(&self, x: usize, y: usize) -> Option<&Hit> {
+        assert!(x < self.viewport.width(), "x inside the viewport");
+        match self.index[y * self.viewport.width() + x] {
+            NO_HIT => None,
+            i => Some(&self.hits[i as usize]),
+        }
+    }
+
+    /// All pixels in row-major order.
+    pub fn pixels(&self) -> impl Iterator<Item = Option<&Hit>> {
+        self.index.iter().map(|&i| (i != NO_HIT).then(|| &self.hits[i as usize]))
+    }
+
+    /// Number of covered pixels.
+    pub fn covered(&self) -> usize {
+        self.hits.len()
+    }
+
+    /// Whether the renderer said that it could not decide pixel (x, y).
+    pub fn is_undecided(&self, x: usize, y: usize) -> bool {
+        self.undecided.binary_search(&((y * self.viewport.width() + x) as u32)).is_ok()
+    }
+
+    /// How many pixels the renderer could not decide.
+    pub fn undecided(&self) -> usize {
+        self.undecided.len()
+    }
+}

@@ -1,0 +1,38 @@
+//! One seen point.
+
+use glam::{DVec2, DVec3};
+use nurbs::Normal;
+use scene::FaceId;
+
+/// The surface point that a pixel sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The face.
+    pub face: FaceId,
+    /// Parameters in the surface's own knot domain.
+    pub uv: DVec2,
+    /// Distance of the point along the pixel's unit ray, (S − o) · d, model units.
+    pub t: f64,
+    /// S(u, v) as the renderer evaluated it, world coordinates, model units.
+    pub position: DVec3,
+    /// Unit normal of the face (−(S_u × S_v) on a reversed face) with its status, as the renderer found it.
+    pub normal: Normal,
+    /// Principal curvatures, signed with that normal; `None` where the renderer has none (a degenerate point).
+    pub curvature: Option<PrincipalCurvatures>,
+}
+
+/// The two principal curvatures, 1 / model unit, k1 ≥ k2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PrincipalCurvatures {
+    /// The greater.
+    pub k1: f64,
+    /// The lesser.
+    pub k2: f64,
+}
+
+impl PrincipalCurvatures {
+    /// The same surface seen from its other side: signs change, and with them the order.
+    pub fn reversed(self) -> Self {
+        Self { k1: -self.k2, k2: -self.k1 }
+    }
+}

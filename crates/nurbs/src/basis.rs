@@ -1,0 +1,193 @@
+//! B-spline basis functions and their derivatives on one knot span.
+//!
+//! Two ways to the same numbers: the inverse triangle with the derivative rows read from its last columns (fast,
+//! to second order, what the renderers mirror), and the general algorithm for any order.
+
+use crate::{KnotVector, MAX_ORDER};
+
+/// Values and first two derivatives of the p + 1 basis functions that are not zero on a span.
+///
+/// `CAPACITY` is at least p + 1; entries from p + 1 on are zero.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Basis<const CAPACITY: usize> {
+    pub value: [f64; CAPACITY],
+    pub first: [f64; CAPACITY],
+    pub second: [f64; CAPACITY],
+}
+
+/// Values, first and (where `SECOND`) second derivatives by the inverse triangle.
+///
+/// Piegl & Tiller, A2.2, with reciprocals of the knot differences from the knot vector. The terms N / (U − U) of
+/// column p are the terms of their Eq. (2.7), so N' costs one subtraction; column p − 1 gives N'' likewise.
+/// (Kanai's English Eq. (6) prints a plus sign between the two terms; the Japanese text has the minus.)
+/// Each value is within 3 p ulp of the exact value for these knots, relative to itself (sums of positive terms).
+#[inline(always)]
+pub(crate) fn basis<const CAPACITY: usize, const SECOND: bool>(
+    knots: &KnotVector,
+    p: usize,
+    span: usize,
+    t: f64,
+) -> Basis<CAPACITY> {
+    debug_assert!(p < CAPACITY && p == knots.degree());
+    let u = &knots.knots()[span + 1 - p..=span + p];
+    let reciprocal = knots.span_reciprocals(span);
+    let mut value = [0.0; CAPACITY];
+    let mut first = [0.0; CAPACITY];
+    let mut second = [0.0; CAPACITY];
+    let mut term = [0.0; CAPACITY];
+    value[0] = 1.0;
+    let mut column = 0;
+    for j in 1..=p {
+        let mut saved = 0.0;
+        for r in 0..j {
+            // right[r+1] = U[span+r+1] − t, left[j−r] = t − U[span+1−j+r]
+            term[r] = value[r] * reciprocal[column + r];
+            value[r] = saved + (u[p + r] - t) * term[r];
+            saved = (t - u[p + r - j]) * term[r];
+        }
+        value[j] = saved;
+        column += j;
+        if SECOND && j + 1 == p {
+            differences(&term, j, &mut second);
+        }
+    }
+    differences(&term, p, &mut first);
+    if SECOND && p >= 2 {
+        // second holds N' of degree p − 1; apply Eq. (2.7) once more, with the reciprocals of the last column.
+        let last = column - p;
+        let mut carried = 0.0;
+        for r in 0..p {
+            let scaled = second[r] * reciprocal[last + r];
+            second[r] = p as f64 * (carried - scaled);
+            carried = scaled;
+        }
+        second[p] = p as f64 * carried;
+    }
+    Basis { value, first, second }
+}
+
+/// N'_{r} = p (term_{r−1} − term_r) for r = 0..=p (Piegl & Tiller, Eq. 2.7).
+#[inline(always)]
+fn differences<const CAPACITY: usize>(term: &[f64; CAPACITY], p: usize, out: &mut [f64; CAPACITY]) {
+    let scale = p as f64;
+    out[0] = -scale * term[0];
+    for r in 1..p {
+        out[r] = scale * (term[r - 1] - term[r]);
+    }
+    out[p] = scale * term[p - 1];
+}
+
+/// All derivatives to `order` of the p + 1 basis functions of `span` at `t`: `result[k][r]`.
+///
+/// Piegl & Tiller, A2.3. Rows above p are zero. Independent of [`basis`], which it checks.
+pub fn basis_derivatives(knots: &KnotVector, span: usize, t: f64, order: usize) -> Vec<[f64; MAX_ORDER]> {
+    let p = knots.degree();
+    let u = knots.knots();
+    let mut left = [0.0; MAX_ORDER];
+    let mut right = [0.0; MAX_ORDER];
+    let mut ndu = [[0.0; MAX_ORDER]; MAX_ORDER];
+    ndu[0][0] = 1.0;
+    for j in 1..=p {
+        left[j] = t - u[span + 1 - j];
+        right[j] = u[span + j] - t;
+        let mut saved = 0.0;
+        for r in 0..j {
+            ndu[j][r] = u[span + r + 1] - u[span + 1 + r - j];
+            let term = ndu[r][j - 1] / ndu[j][r];
+            ndu[r][j] = saved + right[r + 1] * term;
+            saved = left[j - r] * term;
+        }
+        ndu[j][j] = saved;
+    }
+    let mut ders = vec![[0.0; MAX_ORDER]; order + 1];
+    for (r, row) in ndu.iter().enumerate().take(p + 1) {
+        ders[0][r] = row[p];
+    }
+    for r in 0..=p {
+        let mut a = [[0.0; MAX_ORDER]; 2];
+        let (mut s1, mut s2) = (0, 1);
+        a[0][0] = 1.0;
+        for k in 1..=order.min(p) {
+            let mut d = 0.0;
+            let pk = p - k;
+            if r >= k {
+                a[s2][0] = a[s1][0] / ndu[pk + 1][r - k];
+                d = a[s2][0] * ndu[r - k][pk];
+            }
+            let j1 = if r + 1 >= k { 1 } else { k - r };
+            let j2 = if r <= pk + 1 { k - 1 } else { p - r };
+            for j in j1..=j2 {
+                a[s2][j] = (a[s1][j] - a[s1][j - 1]) / ndu[pk + 1][r + j - k];
+                d += a[s2][j] * ndu[r + j - k][pk];
+            }
+            if r <= pk {
+                a[s2][k] = -a[s1][k - 1] / ndu[pk + 1][r];
+                d += a[s2][k] * ndu[r][pk];
+            }
+            ders[k][r] = d;
+            std::mem::swap(&mut s1, &mut s2);
+        }
+    }
+    let mut factor = 1.0;
+    for (k, row) in ders.iter_mut().enumerate().skip(1).take(p) {
+        factor *= (p + 1 - k) as f64;
+        row.iter_mut().for_each(|d| *d *= factor);
+    }
+    ders
+}
+
+/// n over k, exact for the small orders of derivatives.
+pub(crate) fn binomial(n: usize, k: usize) -> f64 {
+    (0..k).fold(1.0, |b, i| b * (n - i) as f64 / (i + 1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A legal knot vector of degree `p` from span lengths and multiplicities.
+    fn knots(p: usize, steps: &[(f64, usize)], clamped: bool) -> KnotVector {
+        let mut u = vec![];
+        let mut t = -1.0;
+        for i in 0..=p {
+            u.push(if clamped { t } else { t - (p - i) as f64 * 0.3 });
+        }
+        for &(step, multiplicity) in steps {
+            t += step;
+            u.extend(std::iter::repeat_n(t, multiplicity.clamp(1, p)));
+        }
+        t += 0.7;
+        for i in 0..=p {
+            u.push(if clamped { t } else { t + i as f64 * 0.9 });
+        }
+        KnotVector::new(p, u).unwrap()
+    }
+
+    proptest! {
+        #[test]
+        fn inverse_triangle_agrees_with_the_general_algorithm(
+            p in 1usize..=15,
+            steps in prop::collection::vec((0.01f64..2.0, 1usize..16), 0..6),
+            clamped: bool,
+            x in 0.0f64..=1.0,
+        ) {
+            let knots = knots(p, &steps, clamped);
+            let (start, end) = knots.domain();
+            let t = start + (end - start) * x;
+            let span = knots.find_span(t);
+            let fast = basis::<MAX_ORDER, true>(&knots, p, span, t);
+            let general = basis_derivatives(&knots, span, t, 2);
+            let rows = [fast.value, fast.first, fast.second];
+            for k in 0..3 {
+                let scale = general[k].iter().fold(1.0, |m: f64, d| m.max(d.abs()));
+                for r in 0..=p {
+                    prop_assert!((rows[k][r] - general[k][r]).abs() <= 1e-12 * scale, "order {k}, function {r}");
+                }
+                let sum: f64 = rows[k][..=p].iter().sum();
+                let unity = f64::from(u8::from(k == 0));
+                prop_assert!((sum - unity).abs() <= 1e-12 * scale);
+            }
+        }
+    }
+}

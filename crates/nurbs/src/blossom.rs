@@ -1,0 +1,62 @@
+//! The blossom (polar form) of a spline: the one tool behind Bézier extraction, knot insertion and degree elevation.
+
+use crate::{KnotVector, MAX_ORDER};
+use glam::DVec4;
+
+/// The blossom of the polynomial on `span` at `arguments` (degree many, in any order).
+///
+/// `control` holds the p + 1 control points of the span. De Boor's algorithm with a different parameter at each
+/// level (Ramshaw 1989; Piegl & Tiller, Sec. 5.1). Where all arguments lie in the span every step is a convex
+/// combination, so the error is at most 2 p ulp of the largest control point.
+pub(crate) fn blossom(knots: &KnotVector, span: usize, control: &[DVec4], arguments: &[f64]) -> DVec4 {
+    let p = knots.degree();
+    debug_assert!(control.len() == p + 1 && arguments.len() == p);
+    let u = knots.knots();
+    let mut d = [DVec4::ZERO; MAX_ORDER];
+    d[..=p].copy_from_slice(control);
+    for (r, &t) in (1..=p).zip(arguments) {
+        for j in (r..=p).rev() {
+            let (low, high) = (u[j + span - p], u[j + 1 + span - r]);
+            let alpha = (t - low) / (high - low);
+            d[j] = d[j - 1] * (1.0 - alpha) + d[j] * alpha;
+        }
+    }
+    d[p]
+}
+
+/// The control points of the same spline over `finer`, whose degree may be one higher.
+///
+/// `finer` contains every knot of `knots` at least as often (once more each, where the degree is raised) over the
+/// same domain. The new point i is the blossom at the knots i+1 … i+p' of `finer`; for a raised degree it is the mean
+/// of the blossoms that leave out one argument each.
+pub(crate) fn reexpress(knots: &KnotVector, control: &[DVec4], finer: &KnotVector) -> Vec<DVec4> {
+    let (p, q) = (knots.degree(), finer.degree());
+    debug_assert!(q == p || q == p + 1);
+    let (start, end) = knots.domain();
+    (0..finer.control_count())
+        .map(|i| {
+            let arguments = &finer.knots()[i + 1..=i + q];
+            // A span inside the support of the new basis function i, the one nearest to the middle argument.
+            let span = support_span(knots, finer, i, start, end);
+            let local = &control[span - p..=span];
+            if q == p {
+                return blossom(knots, span, local, arguments);
+            }
+            let mut rest = [0.0; MAX_ORDER];
+            let mut sum = DVec4::ZERO;
+            for omitted in 0..q {
+                rest[..omitted].copy_from_slice(&arguments[..omitted]);
+                rest[omitted..p].copy_from_slice(&arguments[omitted + 1..]);
+                sum += blossom(knots, span, local, &rest[..p]);
+            }
+            sum / q as f64
+        })
+        .collect()
+}
+
+/// A nonempty span of `knots` inside [finer_i, finer_{i+q+1}] and the domain.
+fn support_span(knots: &KnotVector, finer: &KnotVector, i: usize, start: f64, end: f64) -> usize {
+    let q = finer.degree();
+    let (low, high) = (finer.knots()[i].max(start), finer.knots()[i + q + 1].min(end));
+    knots.find_span(low + 0.5 * (high - low))
+}

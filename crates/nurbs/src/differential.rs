@@ -1,0 +1,168 @@
+//! What a surface looks like at a point: its normal, with how far to trust it, and its curvatures.
+
+use crate::basis::binomial;
+use crate::{Direction, SecondDerivatives, Surface};
+use glam::DVec3;
+
+/// A point counts as collapsed in a direction when the domain's length times the derivative is below this share of
+/// the control box: control points that should coincide agree to a few ulp of their coordinates, not exactly.
+const COLLAPSED: f64 = 1e-12;
+
+/// S_u and S_v count as parallel below this sine: their cross product then is rounding error.
+const PARALLEL: f64 = 1e-12;
+
+/// Orders of the expansion along which a limit normal is sought before it is called undefined.
+const LIMIT_ORDERS: usize = 4;
+
+/// Terms of the expansion below this share of their summands are cancellation, not a direction.
+const CANCELLED: f64 = 1e-9;
+
+/// How a normal was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum NormalStatus {
+    /// S_u × S_v, normalised.
+    Regular = 0,
+    /// S_u × S_v vanishes; the direction that it takes toward the middle of the domain.
+    Limit = 1,
+    /// No direction: no limit was found in the first orders.
+    Undefined = 2,
+}
+
+/// A unit normal with its status.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Normal {
+    /// S_u × S_v, normalised.
+    Regular(DVec3),
+    /// The limit toward the middle of the domain at a degenerate point.
+    Limit(DVec3),
+    /// No direction.
+    Undefined,
+}
+
+impl Normal {
+    /// The direction, where there is one.
+    pub fn unit(self) -> Option<DVec3> {
+        match self {
+            Normal::Regular(n) | Normal::Limit(n) => Some(n),
+            Normal::Undefined => None,
+        }
+    }
+
+    /// The status alone.
+    pub fn status(self) -> NormalStatus {
+        match self {
+            Normal::Regular(_) => NormalStatus::Regular,
+            Normal::Limit(_) => NormalStatus::Limit,
+            Normal::Undefined => NormalStatus::Undefined,
+        }
+    }
+}
+
+/// Curvatures, signed with the normal S_u × S_v: a sphere whose normal points outward has mean curvature −1 / R.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Curvature {
+    /// K = k1 k2, 1 / units².
+    pub gaussian: f64,
+    /// H = (k1 + k2) / 2, 1 / units.
+    pub mean: f64,
+    /// The greater principal curvature.
+    pub k1: f64,
+    /// The lesser principal curvature.
+    pub k2: f64,
+}
+
+/// Everything that is known of a surface at one parameter pair.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// Position and derivatives.
+    pub derivatives: SecondDerivatives,
+    /// Unit normal along S_u × S_v.
+    pub normal: Normal,
+    /// Curvatures; `None` unless the normal is regular.
+    pub curvature: Option<Curvature>,
+}
+
+impl Surface {
+    /// Position, derivatives, normal and curvatures at (u, v).
+    ///
+    /// A normal is regular unless a side collapses there or S_u and S_v are parallel. Then the first term that does
+    /// not vanish of S_u × S_v, expanded along the direction to the middle of the domain (straight away from the
+    /// collapsed side where the point is on one), gives the limit.
+    pub fn inspect(&self, u: f64, v: f64) -> SurfacePoint {
+        let d = self.second_derivatives(u, v);
+        let (flat_u, flat_v) = self.collapsed(&d);
+        let cross = d.su.cross(d.sv);
+        if !flat_u && !flat_v && cross.length() > PARALLEL * d.su.length() * d.sv.length() {
+            let n = cross.normalize();
+            return SurfacePoint { derivatives: d, normal: Normal::Regular(n), curvature: Some(curvature(&d, n)) };
+        }
+        let normal = self.limit_normal(u, v, flat_u, flat_v);
+        SurfacePoint { derivatives: d, normal, curvature: None }
+    }
+
+    /// Whether S_u and S_v are zero to what the control points can tell.
+    fn collapsed(&self, d: &SecondDerivatives) -> (bool, bool) {
+        let hull = self.hull();
+        let farthest = hull.min.abs().max(hull.max.abs()).max_element();
+        let least = hull.diagonal() * COLLAPSED + farthest * 2.0 * f64::EPSILON;
+        let length = |direction| self.knots(direction).length();
+        (d.su.length() * length(Direction::U) <= least, d.sv.length() * length(Direction::V) <= least)
+    }
+
+    fn limit_normal(&self, u: f64, v: f64, flat_u: bool, flat_v: bool) -> Normal {
+        let [[u0, u1], [v0, v1]] = self.domain();
+        let mut du = if 2.0 * u < u0 + u1 { 1.0 } else { -1.0 };
+        let mut dv = if 2.0 * v < v0 + v1 { 1.0 } else { -1.0 };
+        if (v == v0 || v == v1) && flat_u {
+            du = 0.0;
+        } else if (u == u0 || u == u1) && flat_v {
+            dv = 0.0;
+        }
+        // Directions are unit in the unit square, so that u and v of different scale count alike.
+        du *= if flat_u || flat_v { u1 - u0 } else { 1.0 };
+        dv *= if flat_u || flat_v { v1 - v0 } else { 1.0 };
+        let table = self.derivatives(u, v, LIMIT_ORDERS + 1);
+        // The k-th Taylor coefficient of the derivative (a, b) along (du, dv).
+        let taylor = |k: usize, a: usize, b: usize| {
+            let mut sum = DVec3::ZERO;
+            for i in 0..=k {
+                let power = du.powi(i as i32) * dv.powi((k - i) as i32);
+                sum += binomial(k, i) * power * table[a + i][b + k - i];
+            }
+            sum / (1..=k).map(|i| i as f64).product::<f64>()
+        };
+        let su = |k: usize| if k == 0 && flat_u { DVec3::ZERO } else { taylor(k, 1, 0) };
+        let sv = |k: usize| if k == 0 && flat_v { DVec3::ZERO } else { taylor(k, 0, 1) };
+        for m in 1..=LIMIT_ORDERS {
+            let terms: Vec<(DVec3, DVec3)> = (0..=m).map(|k| (su(k), sv(m - k))).collect();
+            let sum: DVec3 = terms.iter().map(|(a, b)| a.cross(*b)).sum();
+            let summands: f64 = terms.iter().map(|(a, b)| a.length() * b.length()).sum();
+            if sum.length() > CANCELLED * summands {
+                return Normal::Limit(sum.normalize());
+            }
+        }
+        Normal::Undefined
+    }
+}
+
+/// Curvatures from the second fundamental form in the orthonormal frame e1 = S_u / |S_u|, e2 = n × e1.
+///
+/// There the shape operator is symmetric, so k1 − k2 = 2 hypot((a − c) / 2, b) has no cancellation at umbilics,
+/// which the textbook √(H² − K) has.
+fn curvature(d: &SecondDerivatives, n: DVec3) -> Curvature {
+    let length = d.su.length();
+    let e1 = d.su / length;
+    let e2 = n.cross(e1);
+    // S_v = f e1 + g e2; the inverse of that change of basis is applied to L, M, N.
+    let (f, g) = (d.sv.dot(e1), d.sv.dot(e2));
+    let (l, m, nn) = (d.suu.dot(n), d.suv.dot(n), d.svv.dot(n));
+    let shear = f / length;
+    let a = l / (length * length);
+    let b = (m - shear * l) / (length * g);
+    let c = (nn - 2.0 * shear * m + shear * shear * l) / (g * g);
+    let mean = 0.5 * (a + c);
+    let half = (0.5 * (a - c)).hypot(b);
+    let (k1, k2) = (mean + half, mean - half);
+    Curvature { gaussian: a * c - b * b, mean, k1, k2 }
+}

@@ -1,0 +1,32 @@
+//! Non-uniform rational B-spline surfaces in f64.
+//!
+//! Everything above the renderers' f32 programs rests on this crate: a [`Surface`] is validated once and then
+//! evaluated ([`Surface::point`], [`Surface::first_derivatives`], [`Surface::second_derivatives`]), interrogated
+//! ([`SurfacePoint`]: normal with status, curvatures), cut into [`BezierPatch`]es and bounded ([`DerivativeBounds`]).
+//! Names and algorithm numbers are those of Piegl & Tiller, *The NURBS Book*, 2nd edition.
+
+mod basis;
+mod bezier;
+mod blossom;
+mod bounds;
+mod differential;
+mod error;
+mod knots;
+mod surface;
+
+pub use basis::basis_derivatives;
+pub use bezier::BezierPatch;
+pub use bounds::{DerivativeBounds, Hull};
+pub use differential::{Curvature, Normal, NormalStatus, SurfacePoint};
+pub use error::NurbsError;
+pub use knots::KnotVector;
+pub use surface::{Direction, FirstDerivatives, SecondDerivatives, Surface};
+
+/// The highest degree, in either direction. Fixed arrays of the evaluators have this plus one entries.
+pub const MAX_DEGREE: usize = 15;
+
+/// Order of the highest degree: the largest number of basis functions that are not zero at a parameter.
+pub const MAX_ORDER: usize = MAX_DEGREE + 1;
+
+/// The longest knot vector that is accepted: enough for any real model, and it bounds what a file can make us allocate.
+pub const MAX_KNOTS: usize = 1 << 20;

@@ -1,0 +1,294 @@
+//! Look-at cameras: a ray for every point of the picture, and the way back.
+
+use crate::{Model, SceneError, Viewport};
+use glam::{DMat4, DVec2, DVec3, DVec4};
+use nurbs::Hull;
+use serde::{Deserialize, Serialize};
+
+/// Full vertical field of view of the default camera, degrees.
+const DEFAULT_FOV: f64 = 40.0;
+
+/// Direction from the model's centre to the default eye: a three-quarter view from the front right, above.
+const DEFAULT_DIRECTION: DVec3 = DVec3::new(1.0, -1.6, 0.9);
+
+/// How much farther than needed to hold the model's box the default eye stands.
+const DEFAULT_MARGIN: f64 = 1.03;
+
+/// Near distance of a perspective camera as a share of its distance from the target, unless one is given.
+const DEFAULT_NEAR: f64 = 1.0 / 1024.0;
+
+/// A line of sight: `origin + t direction` for t from 0, `direction` of unit length, t in model units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where t = 0: on the eye (perspective) or on the eye's plane (orthographic).
+    pub origin: DVec3,
+    /// Unit direction.
+    pub direction: DVec3,
+    /// Nothing nearer than this t is seen.
+    pub near: f64,
+}
+
+impl Ray {
+    /// The point at distance `t`.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// How depth becomes size.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Projection {
+    /// Full vertical angle in degrees.
+    Perspective {
+        /// The angle.
+        fov_deg: f64,
+    },
+    /// Height of the picture in model units.
+    Orthographic {
+        /// The height.
+        height: f64,
+    },
+}
+
+/// A right-handed look-at camera.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Camera {
+    eye: DVec3,
+    target: DVec3,
+    up: DVec3,
+    projection: Projection,
+    near: f64,
+    #[serde(skip)]
+    right: DVec3,
+    #[serde(skip)]
+    above: DVec3,
+    #[serde(skip)]
+    forward: DVec3,
+    /// Half the picture's height at distance 1 (perspective) or anywhere (orthographic).
+    #[serde(skip)]
+    half_height: f64,
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target`; `up` points upward in the picture.
+    ///
+    /// The near plane lies at 1/1024 of the distance to the target (perspective) or at the eye's plane
+    /// (orthographic); see [`Self::with_near`].
+    ///
+    /// # Errors
+    /// [`SceneError`]'s camera variants, naming the value.
+    pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, projection: Projection) -> Result<Self, SceneError> {
+        for (name, v) in [("eye", eye), ("target", target), ("up vector", up)] {
+            if let Some(value) = v.to_array().into_iter().find(|x| !x.is_finite()) {
+                return Err(SceneError::CameraNotFinite { name, value });
+            }
+        }
+        let offset = target - eye;
+        let distance = offset.length();
+        if !(distance > 0.0 && distance.is_finite()) {
+            return Err(SceneError::EyeIsTarget { at: eye.to_array() });
+        }
+        let forward = offset / distance;
+        let right = forward.cross(up.normalize_or_zero());
+        // The sine of the angle between view and up: below a millionth the picture's roll is noise.
+        if right.length() <= 1e-6 {
+            return Err(SceneError::UpIsParallel { up: up.to_array() });
+        }
+        let right = right.normalize();
+        let (half_height, near) = match projection {
+            Projection::Perspective { fov_deg } => {
+                if !(fov_deg > 0.0 && fov_deg < 180.0) {
+                    return Err(SceneError::FieldOfView { degrees: fov_deg });
+                }
+                // libm's tangent, so that pictures do not depend on the platform's.
+                (libm::tan(fov_deg.to_radians() / 2.0), distance * DEFAULT_NEAR)
+            }
+            Projection::Orthographic { height } => {
+                if !(height > 0.0 && height.is_finite()) {
+                    return Err(SceneError::OrthographicHeight { height });
+                }
+                (height / 2.0, 0.0)
+            }
+        };
+        let above = right.cross(forward);
+        Ok(Self { eye, target, up, projection, near, right, above, forward, half_height })
+    }
+
+    /// The same camera with the near plane at depth `near`, in model units along the view direction.
+    ///
+    /// # Errors
+    /// [`SceneError::Near`] unless it is positive (perspective) or not negative (orthographic), and finite.
+    pub fn with_near(self, near: f64) -> Result<Self, SceneError> {
+        let orthographic = matches!(self.projection, Projection::Orthographic { .. });
+        if !near.is_finite() || near < 0.0 || (near == 0.0 && !orthographic) {
+            return Err(SceneError::Near { near });
+        }
+        Ok(Self { near, ..self })
+    }
+
+    /// A camera that frames `model` from the front right, above: eye along (1, −1.6, 0.9) from the centre of its
+    /// box, z up, 40° high, 3 % farther than holds the box.
+    pub fn framing(model: &Model, viewport: Viewport) -> Self {
+        Self::framing_hull(model.hull(), viewport)
+    }
+
+    /// As [`Self::framing`], for a box.
+    pub fn framing_hull(hull: Hull, viewport: Viewport) -> Self {
+        let center = hull.center();
+        let direction = DEFAULT_DIRECTION.normalize();
+        let forward = -direction;
+        let right = forward.cross(DVec3::Z).normalize();
+        let above = right.cross(forward);
+        let k = libm::tan(DEFAULT_FOV.to_radians() / 2.0);
+        let distance = hull.corners().iter().fold(0.0, |most: f64, corner| {
+            let q = *corner - center;
+            let across = (q.dot(right).abs() / (k * viewport.aspect())).max(q.dot(above).abs() / k);
+            most.max(across - q.dot(forward))
+        });
+        // A model of a single point has no size; any distance shows it.
+        let distance = if distance > 0.0 { distance } else { 1.0 };
+        let eye = center + direction * distance * DEFAULT_MARGIN;
+        Self::look_at(eye, center, DVec3::Z, Projection::Perspective { fov_deg: DEFAULT_FOV })
+            .expect("finite, distinct, and not straight along z")
+    }
+
+    /// Where the camera stands.
+    pub fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// Unit view direction.
+    pub fn forward(&self) -> DVec3 {
+        self.forward
+    }
+
+    /// Unit vector to the right in the picture.
+    pub fn right(&self) -> DVec3 {
+        self.right
+    }
+
+    /// Unit vector upward in the picture.
+    pub fn above(&self) -> DVec3 {
+        self.above
+    }
+
+    /// How depth becomes size.
+    pub fn projection(&self) -> Projection {
+        self.projection
+    }
+
+    /// Depth of the near plane, model units.
+    pub fn near(&self) -> f64 {
+        self.near
+    }
+
+    /// The ray through picture position (x, y), in pixels from the top left corner; a pixel's centre is at + ½.
+    pub fn ray(&self, viewport: Viewport, x: f64, y: f64) -> Ray {
+        let across = (2.0 * x / viewport.width() as f64 - 1.0) * viewport.aspect() * self.half_height;
+        let up = (1.0 - 2.0 * y / viewport.height() as f64) * self.half_height;
+        let offset = across * self.right + up * self.above;
+        match self.projection {
+            Projection::Perspective { .. } => {
+                let direction = (self.forward + offset).normalize();
+                Ray { origin: self.eye, direction, near: self.near / direction.dot(self.forward) }
+            }
+            Projection::Orthographic { .. } => {
+                Ray { origin: self.eye + offset, direction: self.forward, near: self.near }
+            }
+        }
+    }
+
+    /// Picture position of a world point, in pixels, and its depth along the view direction.
+    ///
+    /// `None` where the point is not in front of the near plane.
+    pub fn project(&self, viewport: Viewport, p_world: DVec3) -> Option<(DVec2, f64)> {
+        let q = p_world - self.eye;
+        let depth = q.dot(self.forward);
+        if depth < self.near || (depth <= 0.0 && matches!(self.projection, Projection::Perspective { .. })) {
+            return None;
+        }
+        let scale = self.pixels_per_unit(viewport, depth);
+        let x = 0.5 * viewport.width() as f64 + q.dot(self.right) * scale;
+        let y = 0.5 * viewport.height() as f64 - q.dot(self.above) * scale;
+        Some((DVec2::new(x, y), depth))
+    }
+
+    /// Pixels that a model unit across the view covers at `depth` (positive, for a perspective camera).
+    pub fn pixels_per_unit(&self, viewport: Viewport, depth: f64) -> f64 {
+        let half = 0.5 * viewport.height() as f64 / self.half_height;
+        match self.projection {
+            Projection::Perspective { .. } => half / depth,
+            Projection::Orthographic { .. } => half,
+        }
+    }
+
+    /// Clip coordinates from world coordinates, for depth that grows toward the eye ("reversed z").
+    ///
+    /// Perspective: z / w = near / depth, from 1 at the near plane to 0 at infinity. Orthographic:
+    /// 1 − (depth − near) / `range`, so `range` must be at least the depth of the farthest point drawn.
+    pub fn clip_from_world(&self, viewport: Viewport, range: f64) -> DMat4 {
+        let (x, y) = (1.0 / (self.half_height * viewport.aspect()), 1.0 / self.half_height);
+        let row = |axis: DVec3, scale: f64, shift: f64| (axis * scale).extend(shift - axis.dot(self.eye) * scale);
+        let (depth, last) = match self.projection {
+            Projection::Perspective { .. } => (DVec4::new(0.0, 0.0, 0.0, self.near), row(self.forward, 1.0, 0.0)),
+            Projection::Orthographic { .. } => (row(self.forward, -1.0 / range, 1.0 + self.near / range), DVec4::W),
+        };
+        DMat4::from_cols(row(self.right, x, 0.0), row(self.above, y, 0.0), depth, last).transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cameras() -> [Camera; 2] {
+        [Projection::Perspective { fov_deg: 50.0 }, Projection::Orthographic { height: 3.0 }].map(|projection| {
+            Camera::look_at(DVec3::new(3.0, -4.0, 2.0), DVec3::new(0.1, 0.2, 0.3), DVec3::Z, projection).unwrap()
+        })
+    }
+
+    #[test]
+    fn a_point_on_a_ray_projects_to_where_the_ray_was_cast() {
+        let viewport = Viewport::new(320, 200).unwrap();
+        for camera in cameras() {
+            for (x, y) in [(0.5, 0.5), (160.0, 100.0), (319.5, 12.25)] {
+                let p = camera.ray(viewport, x, y).at(4.0);
+                let (pixel, depth) = camera.project(viewport, p).unwrap();
+                assert!(pixel.distance(DVec2::new(x, y)) < 1e-11);
+                let clip = camera.clip_from_world(viewport, 10.0) * p.extend(1.0);
+                let ndc = clip / clip.w;
+                assert!((160.0 * (1.0 + ndc.x) - x).abs() < 1e-11 && (100.0 * (1.0 - ndc.y) - y).abs() < 1e-11);
+                let expected = match camera.projection() {
+                    Projection::Perspective { .. } => camera.near() / depth,
+                    Projection::Orthographic { .. } => 1.0 - depth / 10.0,
+                };
+                assert!((ndc.z - expected).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn row_zero_is_on_top_and_column_zero_on_the_left() {
+        let viewport = Viewport::new(100, 100).unwrap();
+        for camera in cameras() {
+            let corner = camera.ray(viewport, 0.5, 0.5).at(5.0) - camera.ray(viewport, 50.0, 50.0).at(5.0);
+            assert!(corner.dot(camera.above()) > 0.0 && corner.dot(camera.right()) < 0.0);
+        }
+    }
+
+    #[test]
+    fn degenerate_cameras_are_refused_with_the_value() {
+        let fov = |fov_deg| Projection::Perspective { fov_deg };
+        let look = |eye, target, up, projection| Camera::look_at(eye, target, up, projection).unwrap_err();
+        let (zero, x) = (DVec3::ZERO, DVec3::X);
+        assert!(matches!(look(zero, zero, DVec3::Z, fov(40.0)), SceneError::EyeIsTarget { .. }));
+        assert!(matches!(look(zero, x, x, fov(40.0)), SceneError::UpIsParallel { .. }));
+        assert!(matches!(look(zero, x, zero, fov(40.0)), SceneError::UpIsParallel { .. }));
+        assert!(matches!(look(zero, x, DVec3::Z, fov(180.0)), SceneError::FieldOfView { .. }));
+        assert!(matches!(look(zero, x, DVec3::Z, fov(f64::NAN)), SceneError::FieldOfView { .. }));
+        let flat = Projection::Orthographic { height: 0.0 };
+        assert!(matches!(look(zero, x, DVec3::Z, flat), SceneError::OrthographicHeight { .. }));
+        assert!(matches!(look(DVec3::NAN, x, DVec3::Z, fov(40.0)), SceneError::CameraNotFinite { name: "eye", .. }));
+    }
+}

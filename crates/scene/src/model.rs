@@ -1,0 +1,100 @@
+//! A model: surfaces and the faces that use them.
+
+use crate::{Face, FaceId, SceneError};
+use nurbs::{Hull, Surface};
+
+/// A named set of faces over surfaces; never empty, and every face's surface exists.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    name: String,
+    surfaces: Vec<Surface>,
+    faces: Vec<Face>,
+}
+
+impl Model {
+    /// A model of the given faces; surfaces that no face uses are kept and not drawn.
+    ///
+    /// # Errors
+    /// [`SceneError::NoFaces`], [`SceneError::NoSuchSurface`].
+    pub fn new(name: impl Into<String>, surfaces: Vec<Surface>, faces: Vec<Face>) -> Result<Self, SceneError> {
+        if faces.is_empty() {
+            return Err(SceneError::NoFaces);
+        }
+        let count = surfaces.len();
+        if let Some(face) = faces.iter().position(|f| f.surface >= count) {
+            return Err(SceneError::NoSuchSurface { face, surface: faces[face].surface, count });
+        }
+        Ok(Self { name: name.into(), surfaces, faces })
+    }
+
+    /// A model with one whole face a surface.
+    ///
+    /// # Errors
+    /// [`SceneError::NoFaces`] where there is no surface.
+    pub fn of_surfaces(name: impl Into<String>, surfaces: Vec<Surface>) -> Result<Self, SceneError> {
+        let faces = (0..surfaces.len()).map(Face::whole).collect();
+        Self::new(name, surfaces, faces)
+    }
+
+    /// The model's name, for titles and file names.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// All surfaces.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// All faces, in order of [`FaceId`].
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    /// The surface of a face.
+    ///
+    /// # Panics
+    /// Where `id` is not one of this model's faces.
+    pub fn surface(&self, id: FaceId) -> &Surface {
+        &self.surfaces[self.faces[id.0 as usize].surface]
+    }
+
+    /// Whether any face carries trim loops.
+    pub fn is_trimmed(&self) -> bool {
+        self.faces.iter().any(|f| !f.loops.is_empty())
+    }
+
+    /// A box that holds all faces: the hull of their Bézier pieces, tighter than that of their control points.
+    pub fn hull(&self) -> Hull {
+        self.faces
+            .iter()
+            .flat_map(|f| self.surfaces[f.surface].bezier_patches())
+            .map(|patch| patch.hull())
+            .reduce(Hull::union)
+            .expect("a model has faces, and a face has a span")
+    }
+
+    /// A 64-bit FNV-1a hash of all that is drawn (degrees, knots, points, weights, orientations), as hexadecimal.
+    ///
+    /// It names the model in a G-buffer's metadata; it is the same on every machine.
+    pub fn hash(&self) -> String {
+        let mut hash = 0xcbf2_9ce4_8422_2325u64;
+        let mut add = |bits: u64| {
+            for byte in bits.to_le_bytes() {
+                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+            }
+        };
+        for face in &self.faces {
+            let surface = &self.surfaces[face.surface];
+            add(u64::from(face.reversed));
+            for direction in [nurbs::Direction::U, nurbs::Direction::V] {
+                let knots = surface.knots(direction);
+                add(knots.degree() as u64);
+                knots.knots().iter().for_each(|k| add(k.to_bits()));
+            }
+            surface.points().iter().flat_map(|p| p.to_array()).for_each(|x| add(x.to_bits()));
+            surface.weights().unwrap_or_default().iter().for_each(|w| add(w.to_bits()));
+        }
+        format!("{hash:016x}")
+    }
+}
