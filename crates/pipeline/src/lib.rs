@@ -1,1 +1,17 @@
-//! To be written.
+//! The f32 side: a packed scene, the proxies that are rasterized, and the program that runs at every fragment.
+//!
+//! `raster` runs [`fragment`] from this crate, `gpu` runs its twin in WGSL ([`wgsl`]); both read the same
+//! [`PackedScene`], [`Proxy`] and [`View`]s, which [`pack`] alone narrows from f64.
+
+pub mod eval;
+pub mod fragment;
+mod lanes;
+mod layout;
+mod pack;
+mod proxy;
+pub mod wgsl;
+
+pub use lanes::Lanes;
+pub use layout::{FaceRecord, RATIONAL, REVERSED, Vertex, View};
+pub use pack::{PackError, PackedFrame, PackedScene, Program, Scheme};
+pub use proxy::{Batch, DEFAULT_CHORD_PX, Proxy, ProxyError};

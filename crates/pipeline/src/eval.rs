@@ -1,0 +1,229 @@
+//! Evaluation of a face at local parameters in f32: span, basis, surface. Twin of `shaders/eval.wgsl`.
+//!
+//! The same function names, statements and operand order stand in both. `CAPACITY` is the size of the private
+//! arrays: [`MAX_ORDER`](nurbs::MAX_ORDER) in the general program, the degree plus one in a specialised one.
+//! Sums of a tensor product run over v first and are multiplied by N_u once, so that no compiler finds a factor
+//! to pull out.
+
+use crate::lanes::{Lanes, Vec3, cross, dot, scale, subtract};
+use crate::layout::{FaceRecord, RATIONAL};
+
+/// Below this sine S_u and S_v count as parallel: their cross product then is mostly rounding error in f32.
+pub const PARALLEL: f32 = 1.0 / 1048576.0;
+
+/// Below this length, in local units a unit of the local domain, a first derivative counts as collapsed.
+pub const COLLAPSED: f32 = 1.0 / 1048576.0;
+
+/// Values and derivatives of the basis functions that are not zero on a span.
+#[derive(Debug, Clone, Copy)]
+pub struct Basis<const CAPACITY: usize, const N: usize> {
+    /// N_r.
+    pub value: [Lanes<N>; CAPACITY],
+    /// N'_r.
+    pub first: [Lanes<N>; CAPACITY],
+    /// N''_r; zeros unless asked for.
+    pub second: [Lanes<N>; CAPACITY],
+}
+
+/// Position and derivatives in local coordinates.
+#[derive(Debug, Clone, Copy)]
+pub struct Derivatives<const N: usize> {
+    /// S.
+    pub s: Vec3<N>,
+    /// S_u.
+    pub su: Vec3<N>,
+    /// S_v.
+    pub sv: Vec3<N>,
+    /// S_uu; zeros, as the next two, unless second derivatives were asked for.
+    pub suu: Vec3<N>,
+    /// S_uv.
+    pub suv: Vec3<N>,
+    /// S_vv.
+    pub svv: Vec3<N>,
+}
+
+/// The span k with U[k] ≤ t < U[k+1] by binary search; at the end of the domain `last` (Kanai 2007, Sec. 3.1).
+///
+/// `knots` are the face's knots in one direction, `count` its control points; `t` is not below U[degree].
+#[inline(always)]
+pub fn find_span(knots: &[f32], degree: usize, count: usize, last: usize, t: f32) -> usize {
+    if t >= knots[count] {
+        return last;
+    }
+    let mut low = degree;
+    let mut high = count;
+    while high - low > 1 {
+        let middle = (low + high) / 2;
+        if t < knots[middle] {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    low
+}
+
+/// The inverse triangle with first and, where asked, second derivatives (Kanai 2007, Eqs. 2, 3 and 6 with the minus
+/// sign of the Japanese text; Piegl & Tiller, A2.2 and Eq. 2.7).
+#[inline(always)]
+pub fn basis<const CAPACITY: usize, const N: usize>(
+    knots: &[f32],
+    degree: usize,
+    span: usize,
+    t: Lanes<N>,
+    second: bool,
+) -> Basis<CAPACITY, N> {
+    let mut b =
+        Basis { value: [Lanes::ZERO; CAPACITY], first: [Lanes::ZERO; CAPACITY], second: [Lanes::ZERO; CAPACITY] };
+    let mut term = [Lanes::<N>::ZERO; CAPACITY];
+    let mut reciprocal = [0.0f32; CAPACITY];
+    b.value[0] = Lanes::splat(1.0);
+    for j in 1..=degree {
+        let mut saved = Lanes::ZERO;
+        for r in 0..j {
+            let right = knots[span + r + 1];
+            let left = knots[span + 1 + r - j];
+            reciprocal[r] = 1.0 / (right - left);
+            term[r] = b.value[r] * reciprocal[r];
+            b.value[r] = saved + (Lanes::splat(right) - t) * term[r];
+            saved = (t - left) * term[r];
+        }
+        b.value[j] = saved;
+        if second && j + 1 == degree {
+            b.second = differences::<CAPACITY, N>(&term, j);
+        }
+    }
+    b.first = differences::<CAPACITY, N>(&term, degree);
+    if second {
+        // N' of degree p − 1 stands in b.second (zeros for p = 1): differences once more.
+        for r in 0..degree {
+            term[r] = b.second[r] * reciprocal[r];
+        }
+        b.second = differences::<CAPACITY, N>(&term, degree);
+    }
+    b
+}
+
+/// N'_r = p (term_{r−1} − term_r).
+#[inline(always)]
+fn differences<const CAPACITY: usize, const N: usize>(
+    term: &[Lanes<N>; CAPACITY],
+    degree: usize,
+) -> [Lanes<N>; CAPACITY] {
+    let mut d = [Lanes::ZERO; CAPACITY];
+    let p = degree as f32;
+    d[0] = -term[0] * p;
+    for r in 1..degree {
+        d[r] = (term[r - 1] - term[r]) * p;
+    }
+    d[degree] = term[degree - 1] * p;
+    d
+}
+
+/// S and its derivatives on given spans of a face.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)] // the twin of a WGSL function
+pub fn surface<const CAPACITY: usize, const N: usize>(
+    face: &FaceRecord,
+    degree: [usize; 2],
+    points: &[[f32; 4]],
+    span_u: usize,
+    span_v: usize,
+    nu: &Basis<CAPACITY, N>,
+    nv: &Basis<CAPACITY, N>,
+    second: bool,
+) -> Derivatives<N> {
+    let zero = [Lanes::<N>::ZERO; 4];
+    let [mut a, mut a_u, mut a_v, mut a_uu, mut a_uv, mut a_vv] = [zero; 6];
+    for i in 0..=degree[0] {
+        let first = face.points as usize + (span_u - degree[0] + i) * face.count_v as usize + span_v - degree[1];
+        let [mut row, mut row_v, mut row_vv] = [zero; 3];
+        for j in 0..=degree[1] {
+            let point = points[first + j];
+            for c in 0..4 {
+                row[c] = row[c] + nv.value[j] * point[c];
+                row_v[c] = row_v[c] + nv.first[j] * point[c];
+                if second {
+                    row_vv[c] = row_vv[c] + nv.second[j] * point[c];
+                }
+            }
+        }
+        for c in 0..4 {
+            a[c] = a[c] + nu.value[i] * row[c];
+            a_u[c] = a_u[c] + nu.first[i] * row[c];
+            a_v[c] = a_v[c] + nu.value[i] * row_v[c];
+            if second {
+                a_uu[c] = a_uu[c] + nu.second[i] * row[c];
+                a_uv[c] = a_uv[c] + nu.first[i] * row_v[c];
+                a_vv[c] = a_vv[c] + nu.value[i] * row_vv[c];
+            }
+        }
+    }
+    let xyz = |x: [Lanes<N>; 4]| [x[0], x[1], x[2]];
+    let mut d = Derivatives { s: xyz(a), su: xyz(a_u), sv: xyz(a_v), suu: xyz(a_uu), suv: xyz(a_uv), svv: xyz(a_vv) };
+    if face.flags & RATIONAL != 0 {
+        // Piegl & Tiller, Eq. (4.20).
+        let w = Lanes::splat(1.0) / a[3];
+        d.s = scale(d.s, w);
+        d.su = scale(subtract(d.su, scale(d.s, a_u[3])), w);
+        d.sv = scale(subtract(d.sv, scale(d.s, a_v[3])), w);
+        if second {
+            let two = Lanes::splat(2.0);
+            d.suu = scale(subtract(subtract(d.suu, scale(d.su, two * a_u[3])), scale(d.s, a_uu[3])), w);
+            d.suv = scale(
+                subtract(subtract(subtract(d.suv, scale(d.sv, a_u[3])), scale(d.su, a_v[3])), scale(d.s, a_uv[3])),
+                w,
+            );
+            d.svv = scale(subtract(subtract(d.svv, scale(d.sv, two * a_v[3])), scale(d.s, a_vv[3])), w);
+        }
+    }
+    d
+}
+
+/// S_u × S_v, its squared length, and the squared lengths of S_u and S_v.
+#[inline(always)]
+pub fn normal_terms<const N: usize>(d: &Derivatives<N>) -> (Vec3<N>, Lanes<N>, Lanes<N>, Lanes<N>) {
+    let n = cross(d.su, d.sv);
+    (n, dot(n, n), dot(d.su, d.su), dot(d.sv, d.sv))
+}
+
+/// Whether a normal can be taken from these terms.
+#[inline(always)]
+pub fn is_regular(n_squared: f32, su_squared: f32, sv_squared: f32) -> bool {
+    su_squared > COLLAPSED * COLLAPSED
+        && sv_squared > COLLAPSED * COLLAPSED
+        && n_squared > PARALLEL * PARALLEL * (su_squared * sv_squared)
+}
+
+/// Principal curvatures, greater first, with unit normal `n`, in the frame e1 = S_u / |S_u|, e2 = n × e1.
+///
+/// There the shape operator is symmetric, so the difference of the two has no cancellation at umbilics.
+#[inline(always)]
+pub fn curvature<const N: usize>(d: &Derivatives<N>, n: Vec3<N>, su_squared: Lanes<N>) -> [Lanes<N>; 2] {
+    let length = su_squared.sqrt();
+    let e1 = d.su.map(|x| x / length);
+    let e2 = cross(n, e1);
+    let g = dot(d.sv, e2);
+    let shear = dot(d.sv, e1) / length;
+    let l = dot(d.suu, n);
+    let m = dot(d.suv, n);
+    let nn = dot(d.svv, n);
+    let a = l / su_squared;
+    let b = (m - shear * l) / (length * g);
+    let c = (nn - (shear + shear) * m + shear * shear * l) / (g * g);
+    let mean = (a + c) * 0.5;
+    let x = (a - c) * 0.5;
+    let half = (x * x + b * b).sqrt();
+    [mean + half, mean - half]
+}
+
+/// Unit vector from the eye to a local point: `eye` is a position and 1, or the direction itself and 0.
+#[inline(always)]
+pub fn view_direction(eye: [f32; 4], s: [f32; 3]) -> [f32; 3] {
+    if eye[3] == 0.0 {
+        return [eye[0], eye[1], eye[2]];
+    }
+    let d = subtract::<1>(s.map(Lanes::splat), [eye[0], eye[1], eye[2]].map(Lanes::splat));
+    let length = dot(d, d).sqrt();
+    d.map(|x| (x / length).0[0])
+}

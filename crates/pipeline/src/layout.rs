@@ -1,0 +1,75 @@
+//! The records that the CPU and the GPU read alike. `shaders/layout.wgsl` declares the same ones.
+
+use bytemuck::{Pod, Zeroable};
+
+/// [`FaceRecord::flags`]: control points carry weights that differ, so the quotient is taken.
+pub const RATIONAL: u32 = 1;
+
+/// [`FaceRecord::flags`]: the face's normal is −(S_u × S_v).
+pub const REVERSED: u32 = 2;
+
+/// Where a face's numbers stand in the shared knot and point arrays. 48 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct FaceRecord {
+    /// Degree in u.
+    pub degree_u: u32,
+    /// Degree in v.
+    pub degree_v: u32,
+    /// Number of control points in u.
+    pub count_u: u32,
+    /// Number of control points in v.
+    pub count_v: u32,
+    /// Index of the first of the count_u + degree_u + 1 knots in u.
+    pub knots_u: u32,
+    /// Index of the first knot in v.
+    pub knots_v: u32,
+    /// Index of the first control point; row-major in u.
+    pub points: u32,
+    /// The last nonempty span in u: the span of the domain's end.
+    pub last_u: u32,
+    /// The last nonempty span in v.
+    pub last_v: u32,
+    /// [`RATIONAL`] and [`REVERSED`].
+    pub flags: u32,
+    /// To 16 bytes.
+    pub padding: [u32; 2],
+}
+
+/// How a face's local coordinates are seen. 96 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct View {
+    /// Columns of the matrix from local to clip coordinates.
+    pub clip_from_local: [[f32; 4]; 4],
+    /// The eye in local coordinates and 1 (perspective), or the unit view direction and 0 (orthographic).
+    pub eye: [f32; 4],
+    /// 1 / (model units a local unit), by which a local curvature becomes one of the model; then three zeros.
+    pub curvature: [f32; 4],
+}
+
+/// A corner of a proxy triangle. 36 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Vertex {
+    /// S(u, v) in the face's local coordinates.
+    pub position: [f32; 3],
+    /// Local parameters, 0 to 1 over the domain.
+    pub uv: [f32; 2],
+    /// The face.
+    pub face: u32,
+    /// Unit normal of the surface there (zero where it has none), for interpolated shading only.
+    pub normal: [f32; 3],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_have_the_sizes_that_wgsl_gives_them() {
+        assert_eq!(size_of::<FaceRecord>(), 48);
+        assert_eq!(size_of::<View>(), 96);
+        assert_eq!(size_of::<Vertex>(), 36);
+    }
+}

@@ -1,0 +1,250 @@
+//! Proxies: the coarse tessellation whose triangles carry (u, v, face) to the fragments.
+
+use crate::layout::Vertex;
+use crate::pack::{PackedScene, Program};
+use nurbs::{DerivativeBounds, Direction, Surface};
+use rayon::prelude::*;
+use scene::{Camera, FaceId, Model, Viewport};
+
+/// Chord error in pixels to which a proxy is built unless another is asked for.
+pub const DEFAULT_CHORD_PX: f64 = 0.25;
+
+/// Cells a knot span is cut into at most, in each direction; a camera inside a face would ask for any number.
+const GREATEST_CELLS: usize = 256;
+
+/// A face that reaches the near plane is cut as if its nearest point were this share of its size away.
+const NEAREST_SHARE: f64 = 1.0 / 16.0;
+
+/// Triangles of a proxy at most: 72 bytes each with their vertices, so under 1.3 GB.
+const GREATEST_TRIANGLES: usize = 1 << 24;
+
+/// Why a proxy could not be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProxyError {
+    /// The chord bound asks for more triangles than are allowed.
+    #[error("a chord error of {chord_px} pixels asks for over {GREATEST_TRIANGLES} triangles; allow a larger one")]
+    TooManyTriangles {
+        /// The chord error asked for.
+        chord_px: f64,
+    },
+    /// The chord bound is not a positive number.
+    #[error("a chord error of {chord_px} pixels: it must be positive")]
+    Chord {
+        /// The chord error asked for.
+        chord_px: f64,
+    },
+}
+
+/// A range of indices that one program draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Batch {
+    /// The program.
+    pub program: Program,
+    /// First index.
+    pub first: u32,
+    /// Number of indices, three a triangle.
+    pub count: u32,
+}
+
+/// Triangles over all faces of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proxy {
+    /// Corners, shared within a face.
+    pub vertices: Vec<Vertex>,
+    /// Three a triangle, in drawing order: at equal depth the earlier triangle stays.
+    pub indices: Vec<u32>,
+    /// One batch a program, in drawing order.
+    pub batches: Vec<Batch>,
+    /// For each face, the greatest distance in model units from a point of a flat triangle to S at its (u, v).
+    pub chord: Vec<f64>,
+}
+
+/// Parameters of the grid lines of one direction, local (0 … 1), and the widest cell in each knot span.
+struct Lines {
+    local: Vec<f32>,
+}
+
+impl Proxy {
+    /// A tessellation whose flat triangles stay within `chord_px` pixels of the surface as `camera` sees it.
+    ///
+    /// The bound is that of Filip, Magedson & Markot (1986) on each cell of a grid that follows the knots, from
+    /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the face's box. A face
+    /// at the near plane, or one that would need over [`GREATEST_CELLS`] cells a span, is coarser; what holds
+    /// is always [`Self::chord`].
+    ///
+    /// # Errors
+    /// [`ProxyError`].
+    pub fn tessellated(
+        model: &Model,
+        scene: &PackedScene,
+        camera: &Camera,
+        viewport: Viewport,
+        chord_px: f64,
+    ) -> Result<Self, ProxyError> {
+        if chord_px <= 0.0 || !chord_px.is_finite() {
+            return Err(ProxyError::Chord { chord_px });
+        }
+        let allowed = |surface: &Surface| {
+            let hull = surface.hull();
+            let nearest = hull
+                .corners()
+                .iter()
+                .fold(f64::INFINITY, |near: f64, corner| near.min((*corner - camera.eye()).dot(camera.forward())));
+            let nearest = nearest.max(camera.near()).max(hull.diagonal() * NEAREST_SHARE);
+            chord_px / camera.pixels_per_unit(viewport, nearest.max(f64::MIN_POSITIVE))
+        };
+        let grids: Vec<[Lines; 2]> = model
+            .faces()
+            .par_iter()
+            .map(|face| {
+                let surface = &model.surfaces()[face.surface];
+                chord_lines(surface, allowed(surface))
+            })
+            .collect();
+        Self::over(model, scene, grids).ok_or(ProxyError::TooManyTriangles { chord_px })
+    }
+
+    /// A tessellation of every face into `cells` × `cells` cells of equal parameters, wherever its knots lie, as
+    /// Kanai's Table 1 counts them.
+    ///
+    /// # Errors
+    /// [`ProxyError::TooManyTriangles`].
+    pub fn uniform(model: &Model, scene: &PackedScene, cells: usize) -> Result<Self, ProxyError> {
+        let lines = || Lines { local: (0..=cells).map(|i| (i as f64 / cells as f64) as f32).collect() };
+        let grids = model.faces().iter().map(|_| [lines(), lines()]).collect();
+        Self::over(model, scene, grids).ok_or(ProxyError::TooManyTriangles { chord_px: f64::NAN })
+    }
+
+    fn over(model: &Model, scene: &PackedScene, grids: Vec<[Lines; 2]>) -> Option<Self> {
+        let triangles: usize = grids.iter().map(|[u, v]| 2 * (u.local.len() - 1) * (v.local.len() - 1)).sum();
+        if triangles > GREATEST_TRIANGLES {
+            return None;
+        }
+        let meshes: Vec<(Vec<Vertex>, f64)> =
+            grids.par_iter().enumerate().map(|(id, grid)| mesh(model, scene, id, grid)).collect();
+        let mut order: Vec<usize> = (0..grids.len()).collect();
+        order.sort_by_key(|&id| (scene.programs[id], id));
+        let mut proxy =
+            Self { vertices: vec![], indices: Vec::with_capacity(3 * triangles), batches: vec![], chord: vec![] };
+        proxy.chord = meshes.iter().map(|(_, chord)| *chord).collect();
+        for id in order {
+            let base = proxy.vertices.len() as u32;
+            let first = proxy.indices.len() as u32;
+            proxy.vertices.extend_from_slice(&meshes[id].0);
+            let [columns, rows] = [grids[id][1].local.len() as u32, grids[id][0].local.len() as u32];
+            for i in 0..rows - 1 {
+                for j in 0..columns - 1 {
+                    let a = base + i * columns + j;
+                    let (b, c, d) = (a + columns, a + columns + 1, a + 1);
+                    proxy.indices.extend([a, b, c, a, c, d]);
+                }
+            }
+            let count = proxy.indices.len() as u32 - first;
+            match proxy.batches.last_mut() {
+                Some(batch) if batch.program == scene.programs[id] => batch.count += count,
+                _ => proxy.batches.push(Batch { program: scene.programs[id], first, count }),
+            }
+        }
+        Some(proxy)
+    }
+
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.indices.len() / 3
+    }
+}
+
+/// Grid lines at all knots and between them, so that every cell's chord bound is at most `allowed` model units.
+fn chord_lines(surface: &Surface, allowed: f64) -> [Lines; 2] {
+    let [ku, kv] = [Direction::U, Direction::V].map(|d| surface.knots(d));
+    let (spans_u, spans_v) = (ku.spans().count(), kv.spans().count());
+    let mut cells = [vec![1usize; spans_u], vec![1usize; spans_v]];
+    for (index, patch) in surface.bezier_patches().iter().enumerate() {
+        let (k, l) = (index / spans_v, index % spans_v);
+        let bounds = patch.derivative_bounds();
+        let [width, height] = patch.domain.map(|[start, end]| end - start);
+        let [nu, nv] = cells_needed(&bounds, width, height, allowed, [cells[0][k], cells[1][l]]);
+        cells[0][k] = nu;
+        cells[1][l] = nv;
+    }
+    let lines = |knots: &nurbs::KnotVector, cells: &[usize]| {
+        let (start, length) = (knots.domain().0, knots.length());
+        let mut local = vec![0.0f32];
+        for (span, &n) in knots.spans().zip(cells) {
+            let (a, b) = (knots.knots()[span], knots.knots()[span + 1]);
+            local.extend((1..=n).map(|i| ((a - start + (b - a) * (i as f64 / n as f64)) / length) as f32));
+        }
+        *local.last_mut().expect("not empty") = 1.0;
+        // Lines that a tiny span puts on the same f32 are one line.
+        local.dedup();
+        Lines { local }
+    };
+    [lines(ku, &cells[0]), lines(kv, &cells[1])]
+}
+
+/// The fewest cells, from `least` on, that bring the chord bound under `allowed`: always the direction that gains more.
+fn cells_needed(bounds: &DerivativeBounds, width: f64, height: f64, allowed: f64, least: [usize; 2]) -> [usize; 2] {
+    let chord = |n: [usize; 2]| bounds.chord(width / n[0] as f64, height / n[1] as f64);
+    let mut n = least;
+    while chord(n) > allowed && n[0].min(n[1]) < GREATEST_CELLS {
+        let grown = [[(n[0] + 1).min(GREATEST_CELLS), n[1]], [n[0], (n[1] + 1).min(GREATEST_CELLS)]];
+        // A step in u adds n[1] cells, a step in v n[0]: compare what each cell buys.
+        let gain = [(chord(n) - chord(grown[0])) / n[1] as f64, (chord(n) - chord(grown[1])) / n[0] as f64];
+        n = if gain[0] >= gain[1] { grown[0] } else { grown[1] };
+    }
+    n
+}
+
+/// The vertices of one face, u outer, and its chord bound.
+fn mesh(model: &Model, scene: &PackedScene, id: usize, [u, v]: &[Lines; 2]) -> (Vec<Vertex>, f64) {
+    let surface = model.surface(FaceId(id as u32));
+    let reversed = model.faces()[id].reversed;
+    let frame = &scene.frames[id];
+    let mut vertices = Vec::with_capacity(u.local.len() * v.local.len());
+    for &s in &u.local {
+        for &t in &v.local {
+            let uv = frame.uv([s, t]);
+            let d = surface.first_derivatives(uv.x, uv.y);
+            let cross = d.su.cross(d.sv);
+            let normal = match cross.try_normalize() {
+                Some(n) if cross.length() > 1e-9 * d.su.length() * d.sv.length() => n,
+                _ => surface.inspect(uv.x, uv.y).normal.unit().unwrap_or_default(),
+            };
+            let normal = if reversed { -normal } else { normal };
+            vertices.push(Vertex {
+                position: frame.local(d.s),
+                uv: [s, t],
+                face: id as u32,
+                normal: normal.to_array().map(|x| x as f32),
+            });
+        }
+    }
+    (vertices, chord_bound(surface, frame.scale, u, v))
+}
+
+/// The greatest chord of any cell, from the bounds of the patches that it touches, plus what narrowing moves.
+fn chord_bound(surface: &Surface, scale: f64, u: &Lines, v: &Lines) -> f64 {
+    let domain = surface.domain();
+    let widest = |lines: &Lines, [start, end]: [f64; 2], [low, high]: [f64; 2]| {
+        // Cells that overlap [low, high]; a line narrowed to f32 may stand half an ulp off its knot.
+        let local = |t: f64| (t - start) / (end - start);
+        let (low, high) = (local(low) + f64::from(f32::EPSILON), local(high) - f64::from(f32::EPSILON));
+        let overlapping = lines.local.windows(2).map(|w| [f64::from(w[0]), f64::from(w[1])]);
+        overlapping.filter(|[a, b]| *a < high && *b > low).fold(0.0, |most: f64, [a, b]| most.max(b - a))
+            * (end - start)
+    };
+    let mut chord = 0.0f64;
+    let mut speed = 0.0f64;
+    for patch in surface.bezier_patches() {
+        let bounds = patch.derivative_bounds();
+        let du = widest(u, domain[0], patch.domain[0]);
+        let dv = widest(v, domain[1], patch.domain[1]);
+        chord = chord.max(bounds.chord(du, dv));
+        let length = |[start, end]: [f64; 2]| end - start;
+        speed = speed.max(bounds.u * length(domain[0])).max(bounds.v * length(domain[1]));
+    }
+    // Vertices narrow to f32 (half an ulp of the local unit in each coordinate), and a grid line may stand half an
+    // ulp beside its knot.
+    chord + f64::from(f32::EPSILON) * (scale + speed)
+}

@@ -1,0 +1,30 @@
+// The records that the CPU and the GPU read alike. Twin of crates/pipeline/src/layout.rs.
+
+const RATIONAL: u32 = 1u;
+const REVERSED: u32 = 2u;
+
+struct FaceRecord {
+    degree_u: u32,
+    degree_v: u32,
+    count_u: u32,
+    count_v: u32,
+    knots_u: u32,
+    knots_v: u32,
+    points: u32,
+    last_u: u32,
+    last_v: u32,
+    flags: u32,
+    padding: vec2<u32>,
+}
+
+struct View {
+    clip_from_local: mat4x4<f32>,
+    eye: vec4<f32>,
+    curvature: vec4<f32>,
+}
+
+@group(0) @binding(0) var<storage, read> faces: array<FaceRecord>;
+@group(0) @binding(1) var<storage, read> views: array<View>;
+@group(0) @binding(2) var<storage, read> knots: array<f32>;
+@group(0) @binding(3) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(4) var<uniform> shading: ShadeUniform;
