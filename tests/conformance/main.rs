@@ -1,0 +1,9 @@
+//! What a user would lose: twins, three-way agreement, goldens, oracles, the comparer itself, and the command line.
+
+mod arrows;
+mod cli;
+mod evaluation;
+mod faults;
+mod golden;
+mod rays;
+mod three_way;
