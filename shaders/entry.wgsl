@@ -12,6 +12,7 @@ struct VertexOutput {
     @location(0) @interpolate(perspective) uv: vec2<f32>,
     @location(1) @interpolate(flat) face: u32,
     @location(2) @interpolate(perspective) normal: vec3<f32>,
+    @location(3) @interpolate(perspective) local: vec3<f32>,
 }
 
 // Four targets of 16 bytes. All-zero means that nothing was drawn: the face is stored plus one.
@@ -30,6 +31,7 @@ fn vertex(in: VertexInput) -> VertexOutput {
     out.uv = in.uv;
     out.face = in.face;
     out.normal = in.normal;
+    out.local = in.position;
     return out;
 }
 
@@ -54,9 +56,11 @@ fn fragment_shaded(in: VertexOutput) -> @location(0) vec4<f32> {
     if (INTERPOLATED_NORMAL) {
         s.normal = in.normal / sqrt(dot(in.normal, in.normal));
     }
-    s.view = view_direction(view.eye, f.position);
+    // The flat triangle's point is on the pixel's ray; S is off it by the chord.
+    s.view = view_direction(view.eye, in.local);
     s.uv01 = f.uv;
     s.face = in.face;
+    s.curved = select(0u, 1u, CURVATURE && f.status == REGULAR);
     s.k1 = f.curvature.x * view.curvature.x;
     s.k2 = f.curvature.y * view.curvature.x;
     return vec4<f32>(shade(shading, s), 1.0);

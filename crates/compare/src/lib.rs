@@ -1,1 +1,20 @@
-//! To be written.
+//! How far two renderers agree: a verdict a pixel, a cause for every difference, worst first.
+//!
+//! A [`Judge`] knows the model and the camera. It takes a pixel's comparison apart (see [`Judge::pair`]):
+//! *evaluation* at the candidate's own (u, v) against f64 within a [`Tolerance`] that is computed for that point;
+//! *geometry* across the ray in pixels within a stated [`Deviation`]; *visibility* and *coverage* by asking the
+//! reference renderer what it sees nearby. There is no tuned epsilon and no mean.
+
+mod attribution;
+mod cause;
+mod deviation;
+mod judge;
+mod report;
+mod tolerance;
+
+pub use attribution::NEARLY;
+pub use cause::Cause;
+pub use deviation::{ATTRIBUTE_ULPS, Deviation, SNAP_PX};
+pub use judge::{CompareError, Judge, Sampler, UNDECIDED_SHARE};
+pub use report::{Coverage, PairReport, PixelReport, Verdict};
+pub use tolerance::{Tolerance, ToleranceModel};

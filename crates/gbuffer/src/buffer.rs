@@ -5,7 +5,7 @@ use scene::{Camera, Model, Viewport};
 use serde_json::{Value, json};
 
 /// Marks a pixel without a hit.
-const NO_HIT: u32 = u32::MAX;
+pub(crate) const NO_HIT: u32 = u32::MAX;
 
 /// Where a G-buffer comes from: what a reader needs to repeat or to judge it.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +44,20 @@ impl Meta {
     }
 }
 
+/// The fields of a [`GBuffer`], as a file's reader finds them.
+pub(crate) struct Parts {
+    /// The size.
+    pub viewport: Viewport,
+    /// Where it comes from.
+    pub meta: Meta,
+    /// Per pixel, index into `hits`, or [`NO_HIT`].
+    pub index: Vec<u32>,
+    /// The hits in row-major order.
+    pub hits: Vec<Hit>,
+    /// Undecided pixels in row-major order.
+    pub undecided: Vec<u32>,
+}
+
 /// A viewport of hits. Memory is 4 bytes a pixel and one [`Hit`] a covered pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GBuffer {
@@ -75,10 +89,17 @@ impl GBuffer {
         Self { viewport, meta, index, hits, undecided: vec![] }
     }
 
+    /// Puts together what a file's reader has found consistent.
+    pub(crate) fn from_parts(parts: Parts) -> Self {
+        let Parts { viewport, meta, index, hits, undecided } = parts;
+        Self { viewport, meta, index, hits, undecided }
+    }
+
     /// The same buffer with a list of pixels (x, y) that the renderer could not decide.
     pub fn with_undecided(mut self, pixels: impl IntoIterator<Item = (usize, usize)>) -> Self {
         self.undecided = pixels.into_iter().map(|(x, y)| (y * self.viewport.width() + x) as u32).collect();
         self.undecided.sort_unstable();
+        self.undecided.dedup();
         self
     }
 

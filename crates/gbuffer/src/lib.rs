@@ -1,9 +1,19 @@
 //! What a renderer returns: one [`Hit`] a pixel, with the facts of its making.
 //!
-//! All renderers fill the same [`GBuffer`]; pictures are made from it afterwards, by one shading code for all.
+//! All renderers fill the same [`GBuffer`]; it goes to and from files as NumPy's `.npz` ([`GBuffer::write_npz`],
+//! [`GBuffer::read_npz`]). Pictures are made from it afterwards, by one [`Shading`] for all ([`GBuffer::shaded`]), whose
+//! WGSL twin is `shaders/shade.wgsl`; a [`Picture`] goes to a PNG file.
 
 mod buffer;
+mod error;
 mod hit;
+mod npy;
+mod npz;
+mod picture;
+mod shade;
 
 pub use buffer::{GBuffer, Meta};
+pub use error::GBufferError;
 pub use hit::{Hit, PrincipalCurvatures};
+pub use picture::Picture;
+pub use shade::{ShadeInput, ShadeKind, ShadeUniform, Shading, background, shade_pixel, shade_tolerant, unorm8};

@@ -90,7 +90,13 @@ impl Surface {
     /// not vanish of S_u × S_v, expanded along the direction to the middle of the domain (straight away from the
     /// collapsed side where the point is on one), gives the limit.
     pub fn inspect(&self, u: f64, v: f64) -> SurfacePoint {
-        let d = self.second_derivatives(u, v);
+        let [span_u, span_v] = [self.knots(Direction::U).find_span(u), self.knots(Direction::V).find_span(v)];
+        self.inspect_on(span_u, span_v, u, v)
+    }
+
+    /// As [`Self::inspect`], with the polynomial of a given nonempty span: the other side of a crease, at its knot.
+    pub fn inspect_on(&self, span_u: usize, span_v: usize, u: f64, v: f64) -> SurfacePoint {
+        let d = self.second_derivatives_on(span_u, span_v, u, v);
         let (flat_u, flat_v) = self.collapsed(&d);
         let cross = d.su.cross(d.sv);
         if !flat_u && !flat_v && cross.length() > PARALLEL * d.su.length() * d.sv.length() {

@@ -63,6 +63,12 @@ pub fn find_span(knots: &[f32], degree: usize, count: usize, last: usize, t: f32
     low
 }
 
+/// Whether [`find_span`] gives `span` for `t`, which is not below U[degree].
+#[inline(always)]
+pub fn is_on_span(knots: &[f32], count: usize, last: usize, span: usize, t: f32) -> bool {
+    if t >= knots[count] { span == last } else { knots[span] <= t && t < knots[span + 1] }
+}
+
 /// The inverse triangle with first and, where asked, second derivatives (Kanai 2007, Eqs. 2, 3 and 6 with the minus
 /// sign of the Japanese text; Piegl & Tiller, A2.2 and Eq. 2.7).
 #[inline(always)]
@@ -135,27 +141,29 @@ pub fn surface<const CAPACITY: usize, const N: usize>(
 ) -> Derivatives<N> {
     let zero = [Lanes::<N>::ZERO; 4];
     let [mut a, mut a_u, mut a_v, mut a_uu, mut a_uv, mut a_vv] = [zero; 6];
-    for i in 0..=degree[0] {
-        let first = face.points as usize + (span_u - degree[0] + i) * face.count_v as usize + span_v - degree[1];
-        let [mut row, mut row_v, mut row_vv] = [zero; 3];
-        for j in 0..=degree[1] {
-            let point = points[first + j];
-            for c in 0..4 {
-                row[c] = row[c] + nv.value[j] * point[c];
-                row_v[c] = row_v[c] + nv.first[j] * point[c];
+    // The twin adds vec4s. Here each component runs through both sums by itself, so that its running sums stay in
+    // registers; their order, and so every bit, is the same. Without a quotient nobody reads w.
+    let components = if face.flags & RATIONAL != 0 { 4 } else { 3 };
+    for c in 0..components {
+        for i in 0..=degree[0] {
+            let first = face.points as usize + (span_u - degree[0] + i) * face.count_v as usize + span_v - degree[1];
+            let points = &points[first..=first + degree[1]];
+            let [mut row, mut row_v, mut row_vv] = [Lanes::<N>::ZERO; 3];
+            for j in 0..=degree[1] {
+                let point = points[j][c];
+                row = row + nv.value[j] * point;
+                row_v = row_v + nv.first[j] * point;
                 if second {
-                    row_vv[c] = row_vv[c] + nv.second[j] * point[c];
+                    row_vv = row_vv + nv.second[j] * point;
                 }
             }
-        }
-        for c in 0..4 {
-            a[c] = a[c] + nu.value[i] * row[c];
-            a_u[c] = a_u[c] + nu.first[i] * row[c];
-            a_v[c] = a_v[c] + nu.value[i] * row_v[c];
+            a[c] = a[c] + nu.value[i] * row;
+            a_u[c] = a_u[c] + nu.first[i] * row;
+            a_v[c] = a_v[c] + nu.value[i] * row_v;
             if second {
-                a_uu[c] = a_uu[c] + nu.second[i] * row[c];
-                a_uv[c] = a_uv[c] + nu.first[i] * row_v[c];
-                a_vv[c] = a_vv[c] + nu.value[i] * row_vv[c];
+                a_uu[c] = a_uu[c] + nu.second[i] * row;
+                a_uv[c] = a_uv[c] + nu.first[i] * row_v;
+                a_vv[c] = a_vv[c] + nu.value[i] * row_vv;
             }
         }
     }

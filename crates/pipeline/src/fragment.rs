@@ -1,8 +1,9 @@
 //! The fragment program: from interpolated (u, v) and a face to what the pixel shows. Twin of `shaders/fragment.wgsl`.
 
+use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives};
+use crate::lanes::{Lanes, Vec3};
 use crate::layout::{FaceRecord, REVERSED};
-use crate::{Lanes, PackedScene};
 use nurbs::{MAX_ORDER, NormalStatus};
 
 /// How many fragments the rasterizer evaluates together.
@@ -31,25 +32,37 @@ pub struct Fragment {
 
 /// Runs the program for one fragment.
 pub fn fragment(scene: &PackedScene, face: u32, uv: [f32; 2], curvature: bool) -> Fragment {
-    let uv = clamp(uv);
-    let span = spans(scene, face, uv);
-    fragments::<1>(scene, face, span, [uv], curvature)[0]
+    let mut out = Vec::with_capacity(1);
+    fragment_row(scene, face, &[uv], curvature, &mut out);
+    out[0]
 }
 
-/// Runs the program for up to [`WIDTH`] fragments of one face; those that share their spans go together.
-///
-/// The answers are the same, to the bit, as those of [`fragment`].
+/// Runs the program for fragments of one face and appends them to `out`. Up to [`WIDTH`] that follow each other on the
+/// same spans go together; the answers are the same, to the bit, however they fall into groups.
 pub fn fragment_row(scene: &PackedScene, face: u32, uv: &[[f32; 2]], curvature: bool, out: &mut Vec<Fragment>) {
+    let f = &scene.faces[face as usize];
+    let [ku, kv] = scene.knots(f);
+    let [degree, count, last] =
+        [[f.degree_u, f.degree_v], [f.count_u, f.count_v], [f.last_u, f.last_v]].map(|pair| pair.map(|x| x as usize));
+    out.reserve(uv.len());
     let mut rest = uv;
     while let Some(&first) = rest.first() {
-        let span = spans(scene, face, clamp(first));
-        let run = rest.iter().take(WIDTH).take_while(|&&uv| spans(scene, face, clamp(uv)) == span).count();
+        let first = clamp(first);
+        let span = [
+            eval::find_span(ku, degree[0], count[0], last[0], first[0]),
+            eval::find_span(kv, degree[1], count[1], last[1], first[1]),
+        ];
+        let is_alike = |uv: [f32; 2]| {
+            let [u, v] = clamp(uv);
+            eval::is_on_span(ku, count[0], last[0], span[0], u) && eval::is_on_span(kv, count[1], last[1], span[1], v)
+        };
+        let run = 1 + rest[1..].iter().take(WIDTH - 1).take_while(|uv| is_alike(**uv)).count();
         let (now, later) = rest.split_at(run);
         if run == 1 {
-            out.extend(fragments::<1>(scene, face, span, [clamp(first)], curvature));
+            fragments::<1>(scene, face, span, [first], 1, curvature, out);
         } else {
             let padded = std::array::from_fn(|i| clamp(now[i.min(run - 1)]));
-            out.extend(&fragments::<WIDTH>(scene, face, span, padded, curvature)[..run]);
+            fragments::<WIDTH>(scene, face, span, padded, run, curvature, out);
         }
         rest = later;
     }
@@ -60,42 +73,47 @@ fn clamp(uv: [f32; 2]) -> [f32; 2] {
     uv.map(|t| t.clamp(0.0, 1.0))
 }
 
-fn spans(scene: &PackedScene, face: u32, uv: [f32; 2]) -> [usize; 2] {
-    let f = &scene.faces[face as usize];
-    let [ku, kv] = scene.knots(f);
-    [
-        eval::find_span(ku, f.degree_u as usize, f.count_u as usize, f.last_u as usize, uv[0]),
-        eval::find_span(kv, f.degree_v as usize, f.count_v as usize, f.last_v as usize, uv[1]),
-    ]
-}
-
+/// Appends the first `count` of `N` fragments.
 fn fragments<const N: usize>(
     scene: &PackedScene,
     face: u32,
     span: [usize; 2],
     uv: [[f32; 2]; N],
+    count: usize,
     curvature: bool,
-) -> [Fragment; N] {
+    out: &mut Vec<Fragment>,
+) {
     let f = &scene.faces[face as usize];
     // A specialised program knows its degree; the compiler then unrolls every loop.
-    match [f.degree_u, f.degree_v] {
-        [3, 3] if curvature => evaluate::<4, N>(scene, f, face, [3, 3], span, uv, true),
-        [3, 3] => evaluate::<4, N>(scene, f, face, [3, 3], span, uv, false),
-        [5, 5] => evaluate::<6, N>(scene, f, face, [5, 5], span, uv, curvature),
-        [p, q] => evaluate::<MAX_ORDER, N>(scene, f, face, [p as usize, q as usize], span, uv, curvature),
-    }
+    let result: Evaluated<N> = match [f.degree_u, f.degree_v] {
+        [3, 3] if curvature => evaluate::<4, N>(scene, f, [3, 3], span, uv, true),
+        [3, 3] => evaluate::<4, N>(scene, f, [3, 3], span, uv, false),
+        [5, 5] if curvature => evaluate::<6, N>(scene, f, [5, 5], span, uv, true),
+        [5, 5] => evaluate::<6, N>(scene, f, [5, 5], span, uv, false),
+        [p, q] => evaluate::<MAX_ORDER, N>(scene, f, [p as usize, q as usize], span, uv, curvature),
+    };
+    out.extend((0..count).map(|i| result.fragment(f, face, uv[i], span, i)));
+}
+
+/// The program's values, `N` fragments side by side, before degenerate ones are sorted out.
+struct Evaluated<const N: usize> {
+    position: Vec3<N>,
+    normal: Vec3<N>,
+    n_squared: Lanes<N>,
+    squared: [Lanes<N>; 2],
+    curvature: [Lanes<N>; 2],
+    speed: [Lanes<N>; 2],
 }
 
 #[inline(always)]
 fn evaluate<const CAPACITY: usize, const N: usize>(
     scene: &PackedScene,
     f: &FaceRecord,
-    face: u32,
     degree: [usize; 2],
     span: [usize; 2],
     uv: [[f32; 2]; N],
     second: bool,
-) -> [Fragment; N] {
+) -> Evaluated<N> {
     let [ku, kv] = scene.knots(f);
     let u = Lanes(uv.map(|uv| uv[0]));
     let v = Lanes(uv.map(|uv| uv[1]));
@@ -105,15 +123,25 @@ fn evaluate<const CAPACITY: usize, const N: usize>(
     let (n, n_squared, su_squared, sv_squared) = eval::normal_terms(&d);
     let length = n_squared.sqrt();
     let n = n.map(|x| x / length);
-    let k = if second { eval::curvature(&d, n, su_squared) } else { [Lanes::ZERO; 2] };
-    let speed = [su_squared.sqrt(), sv_squared.sqrt()];
-    std::array::from_fn(|i| {
-        let regular = eval::is_regular(n_squared.0[i], su_squared.0[i], sv_squared.0[i]);
+    Evaluated {
+        position: d.s,
+        normal: n,
+        n_squared,
+        squared: [su_squared, sv_squared],
+        curvature: if second { eval::curvature(&d, n, su_squared) } else { [Lanes::ZERO; 2] },
+        speed: [su_squared.sqrt(), sv_squared.sqrt()],
+    }
+}
+
+impl<const N: usize> Evaluated<N> {
+    #[inline(always)]
+    fn fragment(&self, f: &FaceRecord, face: u32, uv: [f32; 2], span: [usize; 2], i: usize) -> Fragment {
+        let regular = eval::is_regular(self.n_squared.0[i], self.squared[0].0[i], self.squared[1].0[i]);
         let mut normal = [0.0; 3];
         let mut curvature = [0.0; 2];
         if regular {
-            normal = n.map(|x| x.0[i]);
-            curvature = k.map(|x| x.0[i]);
+            normal = self.normal.map(|x| x.0[i]);
+            curvature = self.curvature.map(|x| x.0[i]);
             if f.flags & REVERSED != 0 {
                 normal = normal.map(|x| -x);
                 curvature = [-curvature[1], -curvature[0]];
@@ -121,13 +149,13 @@ fn evaluate<const CAPACITY: usize, const N: usize>(
         }
         Fragment {
             face,
-            uv: uv[i],
+            uv,
             span: span.map(|s| s as u32),
-            position: d.s.map(|x| x.0[i]),
+            position: self.position.map(|x| x.0[i]),
             normal,
             status: if regular { NormalStatus::Regular } else { NormalStatus::Undefined },
             curvature,
-            speed: speed.map(|x| x.0[i]),
+            speed: self.speed.map(|x| x.0[i]),
         }
-    })
+    }
 }

@@ -1,0 +1,65 @@
+//! Why a pixel differs.
+
+use serde::Serialize;
+
+/// The one cause a differing pixel is given. [`Judge::pair`](crate::Judge::pair) documents the order of the tests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// One renderer sees the surface and the other does not, and no edge is near enough to excuse it.
+    Coverage,
+    /// A point is shown that a nearer one hides.
+    Depth,
+    /// The numbers are those of another face.
+    Face,
+    /// The numbers are those of another knot span's polynomial, or the program left the knot vector.
+    Span,
+    /// u and v are exchanged.
+    Parameters,
+    /// The control net was read with rows and columns exchanged.
+    ControlNet,
+    /// The rational quotient is missing.
+    Rational,
+    /// The position is right and the normal, of unit length, is not: a derivative is wrong.
+    Derivative,
+    /// The normal's direction is right and its length is not 1.
+    NormalLength,
+    /// One side calls the normal degenerate and the other, with a bound that decides it, does not.
+    DegenerateNormal,
+    /// Position and normal are right and a principal curvature is not.
+    Curvature,
+    /// S at the candidate's (u, v) is right, but those parameters belong to another place in the picture.
+    Interpolation,
+    /// Beyond the tolerance by less than [`NEARLY`](crate::NEARLY) times: rounding worse than the model of it.
+    Rounding,
+    /// A value is NaN or infinite, with no better explanation.
+    NotFinite,
+    /// The position is wrong and no hypothesis explains it.
+    Position,
+    /// The reference could not decide the pixel; neither agreement nor difference.
+    Undecided,
+}
+
+impl Cause {
+    /// The cause in a few words, for tables.
+    pub fn label(self) -> &'static str {
+        match self {
+            Cause::Coverage => "coverage",
+            Cause::Depth => "depth",
+            Cause::Face => "face",
+            Cause::Span => "span",
+            Cause::Parameters => "u and v exchanged",
+            Cause::ControlNet => "control net transposed",
+            Cause::Rational => "rational quotient missing",
+            Cause::Derivative => "derivative",
+            Cause::NormalLength => "normal not unit",
+            Cause::DegenerateNormal => "degenerate normal",
+            Cause::Curvature => "curvature",
+            Cause::Interpolation => "interpolation",
+            Cause::Rounding => "rounding",
+            Cause::NotFinite => "not finite",
+            Cause::Position => "position",
+            Cause::Undecided => "undecided",
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! How far across the ray a candidate's point may lie from what the reference shows, before any rounding of S itself.
+
+use nurbs::{DerivativeBounds, Surface};
+use scene::Model;
+
+/// Vertices snap to 1/256 pixel, each coordinate by at most half of it; a viewport transform in f32 adds less than
+/// the other half up to 16384 pixels.
+pub const SNAP_PX: f64 = 1.0 / 256.0;
+
+/// Interpolated parameters may be off by this many units of 2⁻²⁴ of the domain: WGSL states no accuracy of
+/// interpolation. Measured: see the bound's share in the reports.
+pub const ATTRIBUTE_ULPS: f64 = 16.0;
+
+/// The allowance of a pair of renderers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deviation {
+    /// Per face: the greatest distance of a flat proxy triangle from S at its (u, v), model units. Zeros where both
+    /// renderers draw the same triangles.
+    pub chord: Vec<f64>,
+    /// Per face: what the accuracy of interpolated parameters amounts to, model units.
+    pub attribute: Vec<f64>,
+    /// Pixels: snapping of vertices.
+    pub snap_px: f64,
+    /// The first three in words.
+    pub text: String,
+}
+
+impl Deviation {
+    /// A rasterizer of flat triangles, whose chord bounds are given a face, against the surface itself.
+    pub fn of_proxy(model: &Model, chord: &[f64]) -> Self {
+        Self {
+            chord: chord.to_vec(),
+            attribute: attribute(model),
+            snap_px: SNAP_PX,
+            text: format!(
+                "chord bound of the tessellation (Filip, Magedson & Markot 1986) + {SNAP_PX} px of vertex snapping + \
+                 {ATTRIBUTE_ULPS} ulp of interpolated parameters; rounding of S: running bound to first order"
+            ),
+        }
+    }
+
+    /// Two rasterizers of the same triangles.
+    pub fn of_same_proxy(model: &Model) -> Self {
+        Self {
+            chord: vec![0.0; model.faces().len()],
+            attribute: attribute(model),
+            snap_px: 2.0 * SNAP_PX,
+            text: format!(
+                "the same triangles, so no chord: {} px of vertex snapping + {ATTRIBUTE_ULPS} ulp of interpolated \
+                 parameters; rounding of S: running bound to first order",
+                2.0 * SNAP_PX
+            ),
+        }
+    }
+
+    /// The allowance in model units at face `face`.
+    pub fn model_units(&self, face: usize) -> f64 {
+        self.chord[face] + self.attribute[face]
+    }
+
+    /// The allowance in pixels where a model unit covers `pixels_per_unit`.
+    pub fn pixels(&self, face: usize, pixels_per_unit: f64) -> f64 {
+        self.model_units(face) * pixels_per_unit + self.snap_px
+    }
+}
+
+fn attribute(model: &Model) -> Vec<f64> {
+    let per_surface: Vec<f64> = model.surfaces().iter().map(attribute_of).collect();
+    model.faces().iter().map(|face| per_surface[face.surface]).collect()
+}
+
+fn attribute_of(surface: &Surface) -> f64 {
+    let bounds = surface
+        .bezier_patches()
+        .iter()
+        .map(|patch| patch.derivative_bounds())
+        .fold(DerivativeBounds::default(), DerivativeBounds::max);
+    let [[u0, u1], [v0, v1]] = surface.domain();
+    ATTRIBUTE_ULPS / (1u64 << 24) as f64 * (bounds.u * (u1 - u0) + bounds.v * (v1 - v0))
+}

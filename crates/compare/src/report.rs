@@ -1,0 +1,95 @@
+//! What a comparison found, for people and for machines.
+
+use crate::Cause;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// How many of the worst pixels a report keeps.
+pub(crate) const WORST: usize = 32;
+
+/// The answer for a pair of renderers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Every pixel agrees, but for a share of undecided ones below the limit.
+    Agree,
+    /// Some pixel differs, too many are undecided, or there was nothing to compare.
+    Differ,
+}
+
+/// Pixels by what the reference's exact edges say of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Coverage {
+    /// Covered, with no edge within the bound.
+    pub full: usize,
+    /// Within the bound of an edge.
+    pub partial: usize,
+    /// Not covered, with no edge within the bound.
+    pub none: usize,
+}
+
+/// One differing pixel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PixelReport {
+    /// Column, from the left.
+    pub x: usize,
+    /// Row, from the top.
+    pub y: usize,
+    /// Why it differs.
+    pub cause: Cause,
+    /// How many times over what was allowed the deciding quantity is; infinite where nothing is allowed.
+    pub excess: f64,
+    /// The deciding quantity and its bound in words.
+    pub detail: String,
+}
+
+/// How far a candidate agrees with a reference.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairReport {
+    /// Name of the reference renderer.
+    pub reference: String,
+    /// Name of the candidate renderer.
+    pub candidate: String,
+    /// Pixels that either of the two covers.
+    pub covered: usize,
+    /// Covered pixels that agree.
+    pub agree: usize,
+    /// Differing pixels by cause.
+    pub causes: BTreeMap<Cause, usize>,
+    /// Pixels by class.
+    pub coverage: Coverage,
+    /// Covered pixels whose normal has no useful bound in f32 (a pole): counted, not judged.
+    pub unbounded: usize,
+    /// The largest distance across the ray between what the two show in agreeing pixels, in pixels.
+    pub max_px: f64,
+    /// The bound at that pixel, in pixels.
+    pub bound_px: f64,
+    /// The largest bound of any covered pixel, in pixels.
+    pub greatest_bound_px: f64,
+    /// The largest distance along the ray in agreeing pixels that show the same face, in model units.
+    pub max_along: f64,
+    /// The largest error of position at the candidate's own (u, v), as a share of its tolerance.
+    pub position_share: f64,
+    /// The same for the normal.
+    pub normal_share: f64,
+    /// The same for the principal curvatures.
+    pub curvature_share: f64,
+    /// What set the bounds, in words.
+    pub bounds: String,
+    /// The worst differing pixels, worst first.
+    pub worst: Vec<PixelReport>,
+    /// The answer.
+    pub verdict: Verdict,
+}
+
+impl PairReport {
+    /// Number of pixels that differ, undecided ones not counted.
+    pub fn differing(&self) -> usize {
+        self.causes.iter().filter(|(cause, _)| **cause != Cause::Undecided).map(|(_, n)| n).sum()
+    }
+
+    /// The most frequent cause of difference.
+    pub fn main_cause(&self) -> Option<Cause> {
+        self.causes.iter().max_by_key(|(cause, n)| (**n, std::cmp::Reverse(**cause))).map(|(cause, _)| *cause)
+    }
+}

@@ -1,0 +1,73 @@
+//! What the integration tests share: where the data is, and equality bit for bit.
+
+use nurbs::Direction;
+use scene::{Model, Trim};
+use std::path::{Path, PathBuf};
+
+/// The workspace root.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The folder of real models, `ISOPHOTE_MODELS` (relative to the workspace root) or `../shared/models` beside the
+/// workspace; `None`, said on stderr, where it does not exist.
+pub fn models() -> Option<PathBuf> {
+    let named = std::env::var_os("ISOPHOTE_MODELS");
+    let folder = root().join(named.as_deref().unwrap_or("../shared/models".as_ref()));
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    // A folder that was asked for by name must exist: a misspelt path is not an absent one.
+    assert!(named.is_none(), "ISOPHOTE_MODELS names {}, which is not a folder", folder.display());
+    eprintln!("no folder {}: only the project's own files were tested", folder.display());
+    None
+}
+
+/// The `.json` model files of a folder, sorted.
+pub fn json_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        name.ends_with(".json") && !name.ends_with(".eval.json") && name != "INDEX.json"
+    });
+    files.sort();
+    assert!(!files.is_empty(), "{} has no models", folder.display());
+    files
+}
+
+fn bits(numbers: impl IntoIterator<Item = f64>) -> Vec<u64> {
+    numbers.into_iter().map(f64::to_bits).collect()
+}
+
+fn trim_bits(trim: &Trim) -> impl PartialEq + std::fmt::Debug {
+    (
+        (trim.knots.degree(), bits(trim.knots.knots().iter().copied())),
+        bits(trim.points.iter().flat_map(|p| p.to_array())),
+        trim.weights.as_ref().map(|w| bits(w.iter().copied())),
+        (trim.reversed, trim.seam, trim.degenerate, trim.edge),
+    )
+}
+
+/// All that a model holds except its name, with numbers as bits, so that −0 differs from 0.
+pub fn model_bits(model: &Model) -> impl PartialEq + std::fmt::Debug {
+    let surfaces: Vec<_> = model
+        .surfaces()
+        .iter()
+        .map(|s| {
+            let knots = [Direction::U, Direction::V].map(|d| bits(s.knots(d).knots().iter().copied()));
+            let points = bits(s.points().iter().flat_map(|p| p.to_array()));
+            (s.degree(), knots, points, s.weights().map(|w| bits(w.iter().copied())))
+        })
+        .collect();
+    let faces: Vec<_> = model
+        .faces()
+        .iter()
+        .map(|f| {
+            let loops: Vec<_> =
+                f.loops.iter().map(|l| (l.outer, l.trims.iter().map(trim_bits).collect::<Vec<_>>())).collect();
+            (f.surface, f.reversed, f.tolerance.to_bits(), loops)
+        })
+        .collect();
+    (surfaces, faces)
+}

@@ -1,0 +1,6 @@
+//! The crate through its public interface: bad input, the format's extensions, and round trips of real models.
+
+mod bad_input;
+mod common;
+mod extensions;
+mod round_trip;

@@ -1,0 +1,168 @@
+//! What is uploaded once: the packed scene and its proxy. Views and shading are written anew each frame.
+
+use crate::{Device, GpuError};
+use gbuffer::ShadeUniform;
+use pipeline::{Batch, PackedScene, Proxy, Vertex, View};
+use wgpu::{BufferUsages, ShaderStages};
+
+const UPLOADING: &str = "uploading the scene";
+
+/// Bindings of `shaders/layout.wgsl`, in order.
+const STORAGE_BINDINGS: [&str; 4] = ["faces", "views", "knots", "control points"];
+
+/// The scene's numbers on the device.
+pub(crate) struct SceneBuffers {
+    pub(crate) layout: wgpu::BindGroupLayout,
+    pub(crate) group: wgpu::BindGroup,
+    views: wgpu::Buffer,
+    shading: wgpu::Buffer,
+    faces: usize,
+}
+
+impl SceneBuffers {
+    /// Uploads a scene for shaders of the stages `visibility`.
+    pub(crate) fn new(device: &Device, scene: &PackedScene, visibility: ShaderStages) -> Result<Self, GpuError> {
+        let faces = scene.faces.len();
+        let views = vec![<View as bytemuck::Zeroable>::zeroed(); faces];
+        let contents: [&[u8]; 4] = [
+            bytemuck::cast_slice(&scene.faces),
+            bytemuck::cast_slice(&views),
+            bytemuck::cast_slice(&scene.knots),
+            bytemuck::cast_slice(&scene.points),
+        ];
+        let mut storage = vec![];
+        for (what, bytes) in STORAGE_BINDINGS.into_iter().zip(contents) {
+            storage.push(device.storage(what, bytes)?);
+        }
+        let shading = <ShadeUniform as bytemuck::Zeroable>::zeroed();
+        let shading = device.buffer("shading", BufferUsages::UNIFORM, bytemuck::bytes_of(&shading))?;
+        let (layout, group) = device.guarded(UPLOADING, || {
+            let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility,
+                ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+                count: None,
+            };
+            let mut entries: Vec<_> =
+                (0..4).map(|binding| entry(binding, wgpu::BufferBindingType::Storage { read_only: true })).collect();
+            entries.push(entry(4, wgpu::BufferBindingType::Uniform));
+            let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("scene"), entries: &entries };
+            let layout = device.wgpu.create_bind_group_layout(&descriptor);
+            let group = device.group("scene", &layout, storage.iter().chain([&shading]));
+            (layout, group)
+        })?;
+        let views = storage.swap_remove(1);
+        Ok(Self { layout, group, views, shading, faces })
+    }
+
+    /// Says how each face is seen in the next frame.
+    pub(crate) fn write_views(&self, device: &Device, views: &[View]) -> Result<(), GpuError> {
+        if views.len() != self.faces {
+            return Err(GpuError::ViewCount { expected: self.faces, found: views.len() });
+        }
+        device
+            .guarded("writing the views", || device.queue.write_buffer(&self.views, 0, bytemuck::cast_slice(views)))
+    }
+
+    /// Says how the next frame is shaded.
+    pub(crate) fn write_shading(&self, device: &Device, shading: &ShadeUniform) -> Result<(), GpuError> {
+        device.guarded("writing the shading", || {
+            device.queue.write_buffer(&self.shading, 0, bytemuck::bytes_of(shading));
+        })
+    }
+}
+
+/// The triangles on the device.
+pub(crate) struct ProxyBuffers {
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    pub(crate) batches: Vec<Batch>,
+}
+
+impl ProxyBuffers {
+    pub(crate) fn new(device: &Device, proxy: &Proxy) -> Result<Self, GpuError> {
+        Ok(Self {
+            vertices: device.buffer("proxy vertices", BufferUsages::VERTEX, bytemuck::cast_slice(&proxy.vertices))?,
+            indices: device.buffer("proxy indices", BufferUsages::INDEX, bytemuck::cast_slice(&proxy.indices))?,
+            batches: proxy.batches.clone(),
+        })
+    }
+
+    pub(crate) fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+    }
+}
+
+/// Attributes of a [`Vertex`], by location of `VertexInput` in `shaders/entry.wgsl`.
+pub(crate) const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Uint32, 3 => Float32x3];
+
+/// Vertices as the device fetches them.
+pub(crate) fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<Vertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &ATTRIBUTES,
+    }
+}
+
+impl Device {
+    /// A buffer that holds `bytes`; an empty one has room for a few, since WebGPU binds no empty buffers.
+    pub(crate) fn buffer(&self, what: &'static str, usage: BufferUsages, bytes: &[u8]) -> Result<wgpu::Buffer, GpuError> {
+        let size = (bytes.len() as u64).max(size_of::<View>() as u64);
+        self.fits(what, "max_buffer_size", size, self.limits.max_buffer_size)?;
+        self.guarded(UPLOADING, || {
+            let descriptor = wgpu::BufferDescriptor {
+                label: Some(what),
+                size,
+                usage: usage | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            };
+            let buffer = self.wgpu.create_buffer(&descriptor);
+            self.queue.write_buffer(&buffer, 0, bytes);
+            buffer
+        })
+    }
+
+    /// A storage buffer that holds `bytes` and can be copied from.
+    pub(crate) fn storage(&self, what: &'static str, bytes: &[u8]) -> Result<wgpu::Buffer, GpuError> {
+        let limit = self.limits.max_storage_buffer_binding_size;
+        self.fits(what, "max_storage_buffer_binding_size", bytes.len() as u64, limit)?;
+        self.buffer(what, BufferUsages::STORAGE | BufferUsages::COPY_SRC, bytes)
+    }
+
+    /// A group of whole buffers at bindings 0, 1, 2 …
+    pub(crate) fn group<'b>(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        buffers: impl IntoIterator<Item = &'b wgpu::Buffer>,
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        self.wgpu.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+
+    #[test]
+    fn attributes_stand_where_the_vertex_has_them() {
+        let offsets = ATTRIBUTES.map(|a| a.offset as usize);
+        let expected = [
+            offset_of!(Vertex, position),
+            offset_of!(Vertex, uv),
+            offset_of!(Vertex, face),
+            offset_of!(Vertex, normal),
+        ];
+        assert_eq!(offsets, expected);
+        let end = ATTRIBUTES.map(|a| a.offset + a.format.size()).into_iter().max();
+        assert_eq!(end, Some(size_of::<Vertex>() as u64));
+    }
+}

@@ -1,0 +1,288 @@
+//! Adapters and the device opened on one of them; every call to wgpu that can fail goes through [`Device::guarded`].
+
+use crate::GpuError;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// The longest wait for submitted work: a software adapter at 16384² pixels stays below it, a hung shader does not.
+const GREATEST_WAIT: Duration = Duration::from_secs(600);
+
+/// Bytes a pixel of the G-buffer: four targets of 16.
+pub(crate) const GBUFFER_BYTES: u32 = 64;
+
+/// What kind of machine an adapter is, best first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum AdapterKind {
+    /// A GPU with its own memory.
+    Discrete,
+    /// A GPU that shares the processor's memory.
+    Integrated,
+    /// A GPU seen through a hypervisor.
+    Virtual,
+    /// Not said.
+    Other,
+    /// The processor.
+    Software,
+}
+
+/// What an adapter says of itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AdapterInfo {
+    /// Its name, as the driver spells it.
+    pub name: String,
+    /// PCI number of its maker, or the driver's own.
+    pub vendor: u32,
+    /// What kind of machine it is.
+    pub kind: AdapterKind,
+    /// Name of its driver.
+    pub driver: String,
+    /// Version of its driver, in the driver's words.
+    pub driver_info: String,
+    /// The API that it is reached through: `vulkan`, `metal`, `dx12`.
+    pub backend: String,
+}
+
+impl AdapterInfo {
+    fn of(adapter: &wgpu::Adapter) -> Self {
+        let info = adapter.get_info();
+        Self {
+            name: info.name,
+            vendor: info.vendor,
+            kind: match info.device_type {
+                wgpu::DeviceType::DiscreteGpu => AdapterKind::Discrete,
+                wgpu::DeviceType::IntegratedGpu => AdapterKind::Integrated,
+                wgpu::DeviceType::VirtualGpu => AdapterKind::Virtual,
+                wgpu::DeviceType::Other => AdapterKind::Other,
+                wgpu::DeviceType::Cpu => AdapterKind::Software,
+            },
+            driver: info.driver,
+            driver_info: info.driver_info,
+            backend: info.backend.to_str().to_owned(),
+        }
+    }
+}
+
+/// All adapters of this machine, best kind first, in the driver's order within a kind.
+pub fn adapters() -> Vec<AdapterInfo> {
+    enumerate().into_iter().map(|(info, _)| info).collect()
+}
+
+fn enumerate() -> Vec<(AdapterInfo, wgpu::Adapter)> {
+    let backends = wgpu::Backends::PRIMARY;
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let mut adapters: Vec<_> = pollster::block_on(instance.enumerate_adapters(backends))
+        .into_iter()
+        .map(|adapter| (AdapterInfo::of(&adapter), adapter))
+        .collect();
+    adapters.sort_by_key(|(info, _)| info.kind);
+    adapters
+}
+
+/// The best of `adapters` whose name contains `name`, whatever the case.
+fn choose<T>(mut adapters: Vec<(AdapterInfo, T)>, name: Option<&str>) -> Result<(AdapterInfo, T), GpuError> {
+    if adapters.is_empty() {
+        return Err(GpuError::NoAdapter);
+    }
+    let wanted = name.unwrap_or_default();
+    let fits = |info: &AdapterInfo| info.name.to_lowercase().contains(&wanted.to_lowercase());
+    match adapters.iter().position(|(info, _)| fits(info)) {
+        Some(index) => Ok(adapters.swap_remove(index)),
+        None => Err(GpuError::NoSuchAdapter {
+            wanted: wanted.to_owned(),
+            found: adapters.into_iter().map(|(info, _)| info.name).collect(),
+        }),
+    }
+}
+
+/// An open device.
+#[derive(Debug)]
+pub struct Device {
+    info: AdapterInfo,
+    pub(crate) wgpu: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) limits: wgpu::Limits,
+    /// Why the device was lost, once it was.
+    lost: Arc<Mutex<Option<String>>>,
+    /// An error that reached no scope.
+    stray: Arc<Mutex<Option<String>>>,
+}
+
+impl Device {
+    /// Opens the adapter whose name contains `name`, whatever the case; without one the best hardware adapter, and
+    /// where there is none a software one.
+    ///
+    /// The device has the adapter's own limits where scenes and viewports may need more than WebGPU promises, and
+    /// timestamp queries where the adapter has them.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`], [`GpuError::NoSuchAdapter`], [`GpuError::Open`]; [`GpuError::Limit`] where the adapter
+    /// cannot write a G-buffer's 64 bytes a pixel at once.
+    pub fn open(name: Option<&str>) -> Result<Self, GpuError> {
+        let (info, adapter) = choose(enumerate(), name)?;
+        let has = adapter.limits();
+        let mut limits = wgpu::Limits::default().or_worse_values_from(&has);
+        limits.max_color_attachment_bytes_per_sample = has.max_color_attachment_bytes_per_sample;
+        limits.max_texture_dimension_2d = has.max_texture_dimension_2d;
+        limits.max_storage_buffer_binding_size = has.max_storage_buffer_binding_size;
+        limits.max_buffer_size = has.max_buffer_size;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("isophote"),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_limits: limits.clone(),
+            ..Default::default()
+        };
+        let (wgpu, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| GpuError::Open { adapter: info.name.clone(), reason: error.to_string() })?;
+        let lost = Arc::new(Mutex::new(None));
+        let stray = Arc::new(Mutex::new(None));
+        let slot = lost.clone();
+        wgpu.set_device_lost_callback(move |reason, message| {
+            let reason = if message.is_empty() { format!("{reason:?}") } else { message };
+            fill(&slot, reason);
+        });
+        let slot = stray.clone();
+        wgpu.on_uncaptured_error(Arc::new(move |error| fill(&slot, error.to_string())));
+        let device = Self { info, wgpu, queue, limits, lost, stray };
+        device.fits(
+            "a G-buffer",
+            "max_color_attachment_bytes_per_sample",
+            u64::from(GBUFFER_BYTES),
+            u64::from(device.limits.max_color_attachment_bytes_per_sample),
+        )?;
+        Ok(device)
+    }
+
+    /// What the adapter says of itself.
+    pub fn info(&self) -> &AdapterInfo {
+        &self.info
+    }
+
+    /// Whether the device can time its own work.
+    pub fn has_timestamps(&self) -> bool {
+        self.wgpu.features().contains(wgpu::Features::TIMESTAMP_QUERY)
+    }
+
+    /// Nothing where `needed` is within the limit.
+    pub(crate) fn fits(
+        &self,
+        what: &'static str,
+        limit: &'static str,
+        needed: u64,
+        available: u64,
+    ) -> Result<(), GpuError> {
+        if needed <= available { Ok(()) } else { Err(GpuError::Limit { what, limit, needed, available }) }
+    }
+
+    /// Runs calls to wgpu and returns what they return, or the first error that any of them raised.
+    pub(crate) fn guarded<T>(&self, during: &'static str, calls: impl FnOnce() -> T) -> Result<T, GpuError> {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        let scopes = [Validation, OutOfMemory, Internal].map(|filter| self.wgpu.push_error_scope(filter));
+        let result = calls();
+        // The last pushed is popped first; a refusal tells more than what follows from it.
+        let [validation, memory, internal] = scopes;
+        let internal = pollster::block_on(internal.pop());
+        let memory = pollster::block_on(memory.pop());
+        let validation = pollster::block_on(validation.pop());
+        self.alive(during)?;
+        if memory.is_some() {
+            return Err(GpuError::OutOfMemory { during });
+        }
+        match validation.or(internal) {
+            Some(error) => Err(GpuError::Refused { during, message: plain(&error.to_string()) }),
+            None => Ok(result),
+        }
+    }
+
+    /// Nothing while the device lives and no error has gone astray.
+    pub(crate) fn alive(&self, during: &'static str) -> Result<(), GpuError> {
+        if let Some(reason) = &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
+            return Err(GpuError::Lost { during, reason: reason.clone() });
+        }
+        match self.stray.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            Some(message) => Err(GpuError::Refused { during, message: plain(&message) }),
+            None => Ok(()),
+        }
+    }
+
+    /// Submits commands and returns their place in the queue.
+    pub(crate) fn submit(
+        &self,
+        during: &'static str,
+        encoder: wgpu::CommandEncoder,
+    ) -> Result<wgpu::SubmissionIndex, GpuError> {
+        self.guarded(during, || self.queue.submit([encoder.finish()]))
+    }
+
+    /// Waits until a submission, or the latest one, is done.
+    pub(crate) fn wait(
+        &self,
+        during: &'static str,
+        submission_index: Option<wgpu::SubmissionIndex>,
+    ) -> Result<(), GpuError> {
+        let wait = wgpu::PollType::Wait { submission_index, timeout: Some(GREATEST_WAIT) };
+        // wgpu's `poll` has no other answer to a device lost meanwhile than to panic.
+        let polled = catch_unwind(AssertUnwindSafe(|| self.wgpu.poll(wait)));
+        self.alive(during)?;
+        match polled {
+            Ok(Ok(_)) => Ok(()),
+            Ok(Err(wgpu::PollError::Timeout)) => Err(GpuError::Timeout { during, limit: GREATEST_WAIT }),
+            Ok(Err(error)) => Err(GpuError::Refused { during, message: error.to_string() }),
+            Err(_) => Err(GpuError::Lost { during, reason: "polling failed".to_owned() }),
+        }
+    }
+}
+
+fn fill(slot: &Mutex<Option<String>>, message: String) {
+    slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+}
+
+/// wgpu's message without the heading that all of them carry.
+pub(crate) fn plain(message: &str) -> String {
+    message.trim_start_matches("Validation Error").trim_start().trim_start_matches("Caused by:").trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn adapter(name: &str, kind: AdapterKind) -> (AdapterInfo, ()) {
+        let text = String::new;
+        let info = AdapterInfo {
+            name: name.to_owned(),
+            vendor: 0,
+            kind,
+            driver: text(),
+            driver_info: text(),
+            backend: text(),
+        };
+        (info, ())
+    }
+
+    #[test]
+    fn without_any_adapter_the_message_tells_how_to_install_one() {
+        let error = choose::<()>(vec![], None).unwrap_err();
+        assert_eq!(error, GpuError::NoAdapter);
+        assert!(error.to_string().contains("apt-get install mesa-vulkan-drivers libvulkan1"), "{error}");
+    }
+
+    #[test]
+    fn an_adapter_is_chosen_by_part_of_its_name_or_else_the_first() {
+        let all = || vec![adapter("NVIDIA H200", AdapterKind::Discrete), adapter("llvmpipe", AdapterKind::Software)];
+        assert_eq!(choose(all(), None).unwrap().0.name, "NVIDIA H200");
+        assert_eq!(choose(all(), Some("LLVM")).unwrap().0.name, "llvmpipe");
+        let error = choose(all(), Some("radeon")).unwrap_err();
+        assert!(error.to_string().contains("NVIDIA H200, llvmpipe"), "{error}");
+    }
+
+    #[test]
+    fn hardware_comes_before_software() {
+        let mut kinds = [AdapterKind::Software, AdapterKind::Virtual, AdapterKind::Discrete, AdapterKind::Integrated];
+        kinds.sort();
+        assert_eq!(kinds[0], AdapterKind::Discrete);
+        assert_eq!(kinds[3], AdapterKind::Software);
+    }
+}

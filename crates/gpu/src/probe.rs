@@ -1,0 +1,127 @@
+//! The fragment program at given parameters, in a compute shader: no triangles, no interpolation, no coverage.
+
+use crate::buffers::SceneBuffers;
+use crate::pass::as_shader_error;
+use crate::readback::Record;
+use crate::{Device, GpuError};
+use bytemuck::{Pod, Zeroable};
+use pipeline::fragment::Fragment;
+use pipeline::wgsl::{self, Variant};
+use pipeline::{PackedScene, Program};
+use wgpu::{BufferBindingType, ShaderStages};
+
+/// The compute entry point `probe`, to stand behind any [`wgsl::source`].
+pub const PROBE: &str = include_str!("../../../shaders/probe.wgsl");
+
+/// Queries answered in one dispatch: WebGPU promises 65,535 workgroups, and a workgroup answers 64.
+const GREATEST_DISPATCH: usize = 65_535 * WORKGROUP;
+
+/// Size of a workgroup in `shaders/probe.wgsl`.
+const WORKGROUP: usize = 64;
+
+/// What answers hold before they are written: no face, no status, no span; as floats, NaN.
+const UNANSWERED: u32 = u32::MAX;
+
+const PROBING: &str = "probing";
+
+/// One question, `ProbeQuery` in `shaders/probe.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+struct Query {
+    uv: [f32; 2],
+    face: u32,
+    padding: u32,
+}
+
+/// Runs `program` with curvature for each (face, local (u, v)), and returns its answers in order.
+///
+/// The queries' faces must be of that program. It is the same text as a renderer's, but the driver compiles it for
+/// another stage.
+///
+/// # Errors
+/// [`GpuError::ProbeFace`], [`GpuError::Unanswered`], [`GpuError::Limit`] where the scene or a dispatch does not fit;
+/// [`GpuError::Shader`], [`GpuError::OutOfMemory`], [`GpuError::Timeout`], [`GpuError::Lost`].
+pub fn probe(
+    device: &Device,
+    scene: &PackedScene,
+    program: Program,
+    queries: &[(u32, [f32; 2])],
+) -> Result<Vec<Fragment>, GpuError> {
+    let of_program = |face: u32| scene.programs.get(face as usize) == Some(&program);
+    if let Some(index) = queries.iter().position(|&(face, _)| !of_program(face)) {
+        return Err(GpuError::ProbeFace { index, face: queries[index].0, program: format!("{program:?}") });
+    }
+    let variant = Variant { program, curvature: true, interpolated_normal: false };
+    let module = device.module(program, wgsl::source(variant) + PROBE)?;
+    let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE)?;
+    let (pipeline, layout) = device
+        .guarded(PROBING, || {
+            let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: ShaderStages::COMPUTE,
+                ty: wgpu::BindingType::Buffer {
+                    ty: BufferBindingType::Storage { read_only },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            };
+            let layout = device.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("probe"),
+                entries: &[entry(0, true), entry(1, false)],
+            });
+            let pipeline_layout = device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("probe"),
+                bind_group_layouts: &[Some(&buffers.layout), Some(&layout)],
+                immediate_size: 0,
+            });
+            let pipeline = device.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("probe"),
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: Some("probe"),
+                compilation_options: Default::default(),
+                cache: None,
+            });
+            (pipeline, layout)
+        })
+        .map_err(|error| as_shader_error(error, program, "probe"))?;
+    let mut fragments = Vec::with_capacity(queries.len());
+    for chunk in queries.chunks(GREATEST_DISPATCH) {
+        let records = dispatch(device, &buffers, &pipeline, &layout, chunk)?;
+        for (record, &(face, _)) in records.iter().zip(chunk) {
+            if record.identity[0] != face + 1 {
+                return Err(GpuError::Unanswered { index: fragments.len() });
+            }
+            fragments.push(record.fragment());
+        }
+    }
+    Ok(fragments)
+}
+
+fn dispatch(
+    device: &Device,
+    buffers: &SceneBuffers,
+    pipeline: &wgpu::ComputePipeline,
+    layout: &wgpu::BindGroupLayout,
+    queries: &[(u32, [f32; 2])],
+) -> Result<Vec<Record>, GpuError> {
+    let questions: Vec<Query> = queries.iter().map(|&(face, uv)| Query { uv, face, padding: 0 }).collect();
+    let mut words = vec![UNANSWERED; questions.len() * size_of::<Record>() / 4];
+    let asked = device.storage("probe queries", bytemuck::cast_slice(&questions))?;
+    let answered = device.storage("probe answers", bytemuck::cast_slice(&words))?;
+    let encoder = device.guarded(PROBING, || {
+        let group = device.group("probe", layout, [&asked, &answered]);
+        let mut encoder = device.wgpu.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &buffers.group, &[]);
+        pass.set_bind_group(1, &group, &[]);
+        pass.dispatch_workgroups(questions.len().div_ceil(WORKGROUP) as u32, 1, 1);
+        drop(pass);
+        encoder
+    })?;
+    device.submit(PROBING, encoder)?;
+    device.read_buffer(PROBING, &answered, bytemuck::cast_slice_mut(&mut words))?;
+    Ok(bytemuck::cast_slice(&words).to_vec())
+}

@@ -1,0 +1,108 @@
+//! Rates of the rasterizer: the fragment program alone, and whole frames; optionally a picture of what was drawn.
+//!
+//! `cargo run --release -p raster --example rate [PICTURE.png]`
+
+use gbuffer::{GBuffer, Meta};
+use glam::{DVec2, DVec3};
+use nurbs::{KnotVector, Surface};
+use pipeline::fragment::fragment_row;
+use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme};
+use raster::{Drawing, Options, Rasterizer};
+use scene::{Camera, Model, Viewport};
+use std::hint::black_box;
+use std::time::Instant;
+
+/// A clamped uniform bicubic sheet of `nu` × `nv` control points over a unit square, waves on it, weights not all one.
+fn sheet(nu: usize, nv: usize, corner: DVec2, side: f64) -> Surface {
+    let knots = |n: usize| {
+        let inner = (1..n - 3).map(|i| i as f64 / (n - 3) as f64);
+        KnotVector::new(3, [0.0; 4].into_iter().chain(inner).chain([1.0; 4]).collect()).expect("clamped uniform")
+    };
+    let mut points = vec![];
+    let mut weights = vec![];
+    for i in 0..nu {
+        for j in 0..nv {
+            let at = corner + side * DVec2::new(i as f64 / (nu - 1) as f64, j as f64 / (nv - 1) as f64);
+            // Parabolic waves: no sine, so that the picture is the same everywhere.
+            let wave = |t: f64| {
+                let t = t.rem_euclid(1.0);
+                if t < 0.5 { t * (0.5 - t) } else { (t - 0.5) * (t - 1.0) }
+            };
+            points.push(at.extend(2.0 * wave(2.0 * at.x + at.y) * side.min(1.0) + 1.5 * wave(1.5 * at.y)));
+            weights.push(1.0 + 0.02 * ((i + 2 * j) % 3) as f64);
+        }
+    }
+    Surface::new(knots(nu), knots(nv), points, Some(weights)).expect("legal")
+}
+
+/// Median of nine runs, each of which gives seconds.
+fn median(run: &mut dyn FnMut() -> f64) -> f64 {
+    let mut times: Vec<f64> = (0..9).map(|_| run()).collect();
+    times.sort_by(f64::total_cmp);
+    times[4]
+}
+
+fn main() {
+    let model = Model::of_surfaces("sheet", vec![sheet(14, 6, DVec2::ZERO, 1.0)]).expect("a face");
+    let scene = PackedScene::new(&model, Scheme::Specialised).expect("packs");
+    for curvature in [false, true] {
+        // One span, as most pixels have it.
+        let uv: Vec<[f32; 2]> = (0..4096).map(|i| [0.5 + i as f32 * 1e-5, 0.4 + (i % 64) as f32 * 1e-3]).collect();
+        let mut out = Vec::with_capacity(uv.len());
+        let seconds = median(&mut || {
+            let start = Instant::now();
+            for _ in 0..50 {
+                out.clear();
+                fragment_row(&scene, 0, black_box(&uv), curvature, &mut out);
+                black_box(&out);
+            }
+            start.elapsed().as_secs_f64() / (50 * uv.len()) as f64
+        });
+        println!("fragment program, bicubic rational, curvature {curvature}: {:.1} ns a fragment", seconds * 1e9);
+    }
+    let patches = (0..10_000).map(|i| sheet(4, 4, DVec2::new((i / 100) as f64, (i % 100) as f64) * 0.01, 0.01));
+    let many = Model::of_surfaces("10,000 patches", patches.collect()).expect("faces");
+    for (model, width, height) in [(&model, 512, 512), (&many, 512, 512), (&many, 1920, 1080)] {
+        let viewport = Viewport::new(width, height).expect("legal");
+        let camera = Camera::framing(model, viewport);
+        let scene = PackedScene::new(model, Scheme::Specialised).expect("packs");
+        let views = scene.views(model, &camera, viewport);
+        let proxy = Proxy::tessellated(model, &scene, &camera, viewport, DEFAULT_CHORD_PX).expect("fits");
+        let options = Options::default();
+        let drawing = Drawing { scene: &scene, proxy: &proxy, views: &views, camera: &camera, viewport, options };
+        let meta = Meta::new("raster", "fragment", model, &camera);
+        let frame = || Rasterizer::new(drawing).render(meta.clone(), &|_| {});
+        let picture = frame();
+        for threads in [1, rayon::current_num_threads()] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let seconds = median(&mut || {
+                let start = Instant::now();
+                pool.install(|| black_box(frame()));
+                start.elapsed().as_secs_f64()
+            });
+            println!(
+                "{}, {width}×{height}, {} triangles, {} pixels seen, {threads} threads: {:.2} ms a frame, {:.0} ns a seen pixel",
+                model.name(),
+                proxy.triangles(),
+                picture.covered(),
+                seconds * 1e3,
+                seconds * 1e9 / picture.covered() as f64
+            );
+        }
+        if let (Some(path), "sheet") = (std::env::args().nth(1), model.name()) {
+            write(&picture, &path);
+        }
+    }
+}
+
+/// Normals as colours, over white.
+fn write(picture: &GBuffer, path: &str) {
+    let color = |n: DVec3| ((n * 0.5 + 0.5) * 255.0).to_array().map(|c| c as u8);
+    let pixels = picture.pixels().flat_map(|hit| match hit {
+        Some(hit) => color(hit.normal.unit().unwrap_or(DVec3::ONE)),
+        None => [255; 3],
+    });
+    let (width, height) = (picture.viewport().width() as u32, picture.viewport().height() as u32);
+    let image = image::RgbImage::from_raw(width, height, pixels.collect()).expect("three bytes a pixel");
+    image.save(path).expect("the picture can be written");
+}

@@ -1,0 +1,126 @@
+//! Triangles after the vertex stage and clipping.
+
+use crate::Drawing;
+use crate::clip::{self, ClipVertex};
+use crate::coverage::Rect;
+use crate::setup::covered_bounds;
+use crate::vertex::{Corner, Screen, clip_position};
+use pipeline::Vertex;
+use rayon::prelude::*;
+
+/// Corners in the picture, and the pieces of triangles that had to be clipped.
+///
+/// Triangle `id` below the proxy's count is the proxy's own; from there on ids count pieces.
+#[derive(Debug)]
+pub struct Geometry {
+    /// One a vertex of the proxy; `None` where it is outside the clip volume or the guard band.
+    corners: Vec<Option<Corner>>,
+    /// Number of triangles of the proxy.
+    triangles: usize,
+    /// Pieces, in drawing order.
+    pieces: Vec<Piece>,
+}
+
+/// What a triangle carries to its fragments.
+#[derive(Debug, Clone, Copy)]
+pub struct Attributes {
+    /// The face.
+    pub face: u32,
+    /// Local parameters at the corners.
+    pub uv: [[f32; 2]; 3],
+    /// Normals at the corners.
+    pub normal: [[f32; 3]; 3],
+}
+
+#[derive(Debug)]
+struct Piece {
+    source: u32,
+    corners: [Corner; 3],
+    attributes: Attributes,
+}
+
+impl Geometry {
+    /// Runs the vertex stage on every vertex, and clips what needs it.
+    pub fn new(drawing: &Drawing) -> Self {
+        let screen = Screen::new(drawing.viewport);
+        let clip_of = |v: &Vertex| clip_position(&drawing.views[v.face as usize], v.position);
+        let corners: Vec<Option<Corner>> = drawing
+            .proxy
+            .vertices
+            .par_iter()
+            .map(|v| {
+                let clip = clip_of(v);
+                if clip::is_inside(clip) { screen.corner(clip) } else { None }
+            })
+            .collect();
+        let pieces: Vec<Piece> = drawing
+            .proxy
+            .indices
+            .par_chunks_exact(3)
+            .enumerate()
+            .filter(|(_, t)| t.iter().any(|&i| corners[i as usize].is_none()))
+            .flat_map_iter(|(source, t)| {
+                let vertices = [t[0], t[1], t[2]].map(|i| &drawing.proxy.vertices[i as usize]);
+                let polygon = clip::clip(vertices.map(|v| ClipVertex { clip: clip_of(v), uv: v.uv, normal: v.normal }));
+                let face = vertices[0].face;
+                let fan = (1..polygon.len().saturating_sub(1)).map(move |i| [polygon[0], polygon[i], polygon[i + 1]]);
+                fan.filter_map(move |t| {
+                    let [Some(a), Some(b), Some(c)] = t.map(|v| screen.corner(v.clip)) else { return None };
+                    let attributes = Attributes { face, uv: t.map(|v| v.uv), normal: t.map(|v| v.normal) };
+                    Some(Piece { source: source as u32, corners: [a, b, c], attributes })
+                })
+            })
+            .collect();
+        Self { corners, triangles: drawing.proxy.triangles(), pieces }
+    }
+
+    /// Number of triangles of the proxy.
+    pub fn triangles(&self) -> usize {
+        self.triangles
+    }
+
+    /// Calls `add` with the ids of triangle `i` or of its pieces.
+    pub fn ids(&self, drawing: &Drawing, i: usize, mut add: impl FnMut(u32)) {
+        if vertices(drawing, i).iter().all(|&v| self.corners[v].is_some()) {
+            add(i as u32);
+        } else {
+            let first = self.pieces.partition_point(|p| (p.source as usize) < i);
+            let pieces = self.pieces[first..].iter().take_while(|p| p.source as usize == i).count();
+            (first..first + pieces).for_each(|p| add((self.triangles + p) as u32));
+        }
+    }
+
+    /// Calls `add` with the id and the box of every part of triangle `i` that covers any sample.
+    pub fn boxes(&self, drawing: &Drawing, i: usize, add: &mut dyn FnMut(u32, Rect)) {
+        self.ids(drawing, i, |id| {
+            if let Some(rect) = covered_bounds(&self.corners(drawing, id)) {
+                add(id, rect);
+            }
+        });
+    }
+
+    /// The corners of a triangle or piece whose id came from [`Self::ids`].
+    pub fn corners(&self, drawing: &Drawing, id: u32) -> [Corner; 3] {
+        match (id as usize).checked_sub(self.triangles) {
+            Some(piece) => self.pieces[piece].corners,
+            None => vertices(drawing, id as usize).map(|v| self.corners[v].expect("ids names no outside corners")),
+        }
+    }
+
+    /// What it carries.
+    pub fn attributes(&self, drawing: &Drawing, id: u32) -> Attributes {
+        match (id as usize).checked_sub(self.triangles) {
+            Some(piece) => self.pieces[piece].attributes,
+            None => {
+                let v = vertices(drawing, id as usize).map(|v| &drawing.proxy.vertices[v]);
+                Attributes { face: v[0].face, uv: v.map(|v| v.uv), normal: v.map(|v| v.normal) }
+            }
+        }
+    }
+}
+
+/// Indices of the vertices of a proxy's triangle.
+fn vertices(drawing: &Drawing, triangle: usize) -> [usize; 3] {
+    let t = &drawing.proxy.indices[3 * triangle..3 * triangle + 3];
+    [t[0], t[1], t[2]].map(|i| i as usize)
+}

@@ -1,0 +1,105 @@
+//! One tile: who is seen, then what is seen.
+
+use crate::Rasterizer;
+use crate::coverage::{Rect, for_each_covered};
+use crate::depth::{DepthTile, TILE};
+use crate::setup::Triangle;
+use gbuffer::Hit;
+use glam::DVec3;
+use nurbs::Normal;
+use pipeline::fragment::{Fragment, fragment_row};
+
+/// Fragments that wait for the fragment program, all of one face.
+#[derive(Default)]
+struct Run {
+    face: u32,
+    /// Pixels as row × [`TILE`] + column.
+    pixels: Vec<u16>,
+    uv: Vec<[f32; 2]>,
+    /// Interpolated normals, where they are asked for.
+    normals: Vec<[f32; 3]>,
+    fragments: Vec<Fragment>,
+}
+
+/// The hits of a tile, row × [`TILE`] + column; empty where nothing is seen in it.
+pub fn render(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Option<Hit>> {
+    let Rasterizer { drawing, geometry } = raster;
+    let mut tile = DepthTile::new(rect);
+    for (owner, &id) in triangles.iter().enumerate() {
+        let triangle = set_up(raster, id);
+        let nearest = triangle.nearest();
+        for_each_covered(&triangle, rect, |x, y| {
+            // No point of a triangle is nearer than its nearest corner: most hidden samples end here.
+            if tile.passes(x, y, nearest) {
+                tile.test(x, y, triangle.depth(triangle.weights(x, y)), owner as u32);
+            }
+        });
+    }
+    let (pixels, starts) = tile.by_owner(triangles.len());
+    if pixels.is_empty() {
+        return vec![];
+    }
+    let mut hits = vec![None; TILE * TILE];
+    let mut run = Run::default();
+    for (owner, &id) in triangles.iter().enumerate() {
+        let seen = &pixels[starts[owner] as usize..starts[owner + 1] as usize];
+        if seen.is_empty() {
+            continue;
+        }
+        let attributes = geometry.attributes(drawing, id);
+        if attributes.face != run.face {
+            shade(raster, rect, &mut run, &mut hits);
+            run.face = attributes.face;
+        }
+        let triangle = set_up(raster, id);
+        for &pixel in seen {
+            let (x, y) = position(rect, pixel);
+            let weights = triangle.weights(x, y);
+            run.uv.push(triangle.interpolate(weights, attributes.uv));
+            if drawing.options.interpolated_normals {
+                run.normals.push(triangle.interpolate(weights, attributes.normal));
+            }
+        }
+        run.pixels.extend_from_slice(seen);
+    }
+    shade(raster, rect, &mut run, &mut hits);
+    hits
+}
+
+fn set_up(raster: &Rasterizer, id: u32) -> Triangle {
+    Triangle::new(raster.geometry.corners(&raster.drawing, id), [0.0; 2]).expect("what has no area is in no bin")
+}
+
+fn position(rect: Rect, pixel: u16) -> (i32, i32) {
+    (rect.left + i32::from(pixel) % TILE as i32, rect.top + i32::from(pixel) / TILE as i32)
+}
+
+/// Runs the fragment program on all that waits.
+fn shade(raster: &Rasterizer, rect: Rect, run: &mut Run, hits: &mut [Option<Hit>]) {
+    let drawing = &raster.drawing;
+    fragment_row(drawing.scene, run.face, &run.uv, drawing.options.curvature, &mut run.fragments);
+    for (i, (&pixel, fragment)) in run.pixels.iter().zip(&run.fragments).enumerate() {
+        let (x, y) = position(rect, pixel);
+        let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+        hits[usize::from(pixel)] = Some(hit(raster, fragment, at, run.normals.get(i).copied()));
+    }
+    run.pixels.clear();
+    run.uv.clear();
+    run.normals.clear();
+    run.fragments.clear();
+}
+
+/// What is seen at picture position `at`, with the interpolated normal in place of the fragment's where there is one.
+pub fn hit(raster: &Rasterizer, fragment: &Fragment, at: [f64; 2], interpolated: Option<[f32; 3]>) -> Hit {
+    let Rasterizer { drawing, .. } = raster;
+    let mut hit = drawing.scene.hit(fragment, &drawing.camera.ray(drawing.viewport, at[0], at[1]));
+    if let Some([x, y, z]) = interpolated {
+        let length = (x * x + y * y + z * z).sqrt();
+        hit.normal = if length > 0.0 {
+            Normal::Regular(DVec3::from_array([x / length, y / length, z / length].map(f64::from)))
+        } else {
+            Normal::Undefined
+        };
+    }
+    hit
+}

@@ -1,0 +1,312 @@
+//! `bench`: what each part costs, in one interleaved run, medians and ratios.
+
+use crate::compare::DrawingArgs;
+use crate::format::Format;
+use crate::stage::Stage;
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use compare::Verdict;
+use gbuffer::{ShadeKind, Shading};
+use glam::{DQuat, DVec3};
+use pipeline::fragment::{Fragment, fragment_row};
+use pipeline::{PackedScene, Proxy, Scheme};
+use raycast::Caster;
+use scene::{Camera, Model, Projection, Ray, Viewport};
+use serde::Serialize;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Kanai's Table 1: a model, cells a face so that the triangles are about his, his frames per second on a GeForce
+/// 7900 GTX in 2007.
+const TABLE_1: &[(&str, usize, f64)] = &[("surface", 50, 212.0), ("teapot", 10, 201.0), ("spray", 10, 126.0)];
+
+/// Points of an evaluation sample.
+const POINTS: usize = 65_536;
+
+/// Rays of a ray sample, a side.
+const RAYS: usize = 128;
+
+/// Size at which renderers are compared before they are timed.
+const CHECK: usize = 96;
+
+/// Time evaluation, rays, the CPU rasterizer and the GPU, and print medians
+///
+/// Refuses to time renderers whose pictures disagree. Everything is measured in one run, round by round.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    #[command(flatten)]
+    drawing: DrawingArgs,
+    /// Rounds; the median of each figure is printed
+    #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    rounds: u16,
+    /// Frames of the GPU a round; the CPU draws one
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=10000))]
+    frames: u16,
+    /// Side of the square picture of Table 1, pixels
+    #[arg(long, default_value_t = 512)]
+    side: usize,
+    /// For people or for machines
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Figure {
+    what: String,
+    unit: &'static str,
+    median: f64,
+    least: f64,
+    greatest: f64,
+    /// What there is to compare it with, and whether more is better.
+    reference: Option<String>,
+}
+
+/// A figure in the making.
+struct Sample {
+    what: String,
+    unit: &'static str,
+    reference: Option<String>,
+    values: Vec<f64>,
+}
+
+impl Sample {
+    fn new(what: impl Into<String>, unit: &'static str, reference: impl Into<Option<String>>) -> Self {
+        Self { what: what.into(), unit, reference: reference.into(), values: vec![] }
+    }
+
+    fn figure(mut self) -> Figure {
+        self.values.sort_by(f64::total_cmp);
+        let n = self.values.len();
+        Figure {
+            what: self.what,
+            unit: self.unit,
+            median: self.values[n / 2],
+            least: self.values[0],
+            greatest: self.values[n - 1],
+            reference: self.reference,
+        }
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where renderers disagree, or the named adapter is not there.
+pub fn run(args: &BenchArgs) -> Result<()> {
+    let device = match gpu::Device::open(args.drawing.adapter.as_deref()) {
+        Ok(device) => Some(device),
+        Err(error) if args.drawing.adapter.is_some() => return Err(error.into()),
+        Err(error) => {
+            eprintln!("gpu not run: {error}");
+            None
+        }
+    };
+    let viewport = Viewport::new(args.side, args.side)?;
+    let models: Vec<(Model, usize, f64)> =
+        TABLE_1.iter().map(|&(name, cells, fps)| (formats::builtin(name).expect("built in"), cells, fps)).collect();
+    for (model, _, _) in &models {
+        agree(model, device.as_ref(), args.drawing.scheme())?;
+    }
+    let rational = formats::builtin("rational").expect("built in");
+    let points = points();
+    let caster = Caster::new(&rational);
+    let [top_down, grazing] = rays(&rational);
+    let mut evaluation = [
+        Sample::new("S, S_u, S_v, normal; bicubic rational, f64, one thread", "ns/point", "≤ 96".to_owned()),
+        Sample::new(
+            "the same in the rasterizer's inner loop, f32, runs of one span",
+            "ns/point",
+            "below the line above".to_owned(),
+        ),
+    ];
+    let mut casting = [
+        Sample::new("ray, top-down, bicubic rational 14x6, one thread", "µs/ray", "≤ 12".to_owned()),
+        Sample::new("ray, grazing, the same", "µs/ray", "≤ 35".to_owned()),
+    ];
+    let adapter = device.as_ref().map(|d| format!("{} ({} {})", d.info().name, d.info().driver, d.info().driver_info));
+    let mut drawing: Vec<[Sample; 2]> = models
+        .iter()
+        .map(|(model, _, fps)| {
+            let reference = format!("Kanai, GeForce 7900 GTX: {fps}");
+            let size = format!("{}x{}", args.side, args.side);
+            [
+                Sample::new(format!("raster, {} {size}", model.name()), "frames/s", reference.clone()),
+                Sample::new(format!("gpu, {} {size}", model.name()), "frames/s", reference),
+            ]
+        })
+        .collect();
+    let bar = crate::terminal::progress("rounds", usize::from(args.rounds));
+    for round in 0..args.rounds {
+        evaluation[0].values.push(evaluate_f64(&rational, &points));
+        evaluation[1].values.push(evaluate_f32(&rational, &points)?);
+        casting[0].values.push(cast(&caster, &top_down));
+        casting[1].values.push(cast(&caster, &grazing));
+        for ((model, cells, _), [raster, on_gpu]) in models.iter().zip(&mut drawing) {
+            let cameras = turning(model, viewport, usize::from(args.frames), f64::from(round));
+            raster.values.push(frames_on_cpu(model, *cells, &cameras[..1], viewport, args.drawing.scheme())?);
+            if let Some(device) = &device {
+                on_gpu.values.push(frames_on_gpu(device, model, *cells, &cameras, viewport, args.drawing.scheme())?);
+            }
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let figures: Vec<Figure> = evaluation
+        .into_iter()
+        .chain(casting)
+        .chain(drawing.into_iter().flatten())
+        .filter(|sample| !sample.values.is_empty())
+        .map(Sample::figure)
+        .collect();
+    print(args, adapter.as_deref(), &figures)
+}
+
+fn print(args: &BenchArgs, adapter: Option<&str>, figures: &[Figure]) -> Result<()> {
+    let threads = rayon::current_num_threads();
+    if args.format == Format::Json {
+        println!("{}", serde_json::json!({ "adapter": adapter, "threads": threads, "figures": figures }));
+        return Ok(());
+    }
+    println!("gpu: {}; raster on {threads} threads; medians of {} rounds", adapter.unwrap_or("none"), args.rounds);
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED);
+    table.set_header(["what", "median", "least", "greatest", "unit", "to compare with"]);
+    let number = |x: f64| if x >= 100.0 { format!("{x:.0}") } else { format!("{x:.2}") };
+    for f in figures {
+        let reference = f.reference.clone().unwrap_or_default();
+        table.add_row([
+            f.what.clone(),
+            number(f.median),
+            number(f.least),
+            number(f.greatest),
+            f.unit.to_owned(),
+            reference,
+        ]);
+    }
+    println!("{table}");
+    Ok(())
+}
+
+/// Renderers whose pictures disagree are not timed.
+fn agree(model: &Model, device: Option<&gpu::Device>, scheme: Scheme) -> Result<()> {
+    let viewport = Viewport::new(CHECK, CHECK)?;
+    let stage = Stage::new(model, Camera::framing(model, viewport), viewport, scheme, pipeline::DEFAULT_CHORD_PX)?;
+    let caster = Caster::new(model);
+    let (raycast, raster) = (stage.raycast(&caster), stage.raster());
+    let mut pairs = vec![stage.against_raycast(&caster, &raycast, &raster)?];
+    if let Some(device) = device {
+        let on_gpu = stage.gpu(device, None, gpu::Overrides::default())?;
+        pairs.push(stage.against_raycast(&caster, &raycast, &on_gpu.gbuffer)?);
+        pairs.push(stage.against_raster(&raster, &on_gpu.gbuffer)?);
+    }
+    match pairs.iter().find(|pair| pair.verdict != Verdict::Agree) {
+        None => Ok(()),
+        Some(pair) => bail!(
+            "{} and {} disagree on {} in {} pixels; there is nothing to time (see `cargo xtask compare {}`)",
+            pair.reference,
+            pair.candidate,
+            model.name(),
+            pair.differing(),
+            model.name()
+        ),
+    }
+}
+
+/// A reproducible sample of the unit square (an additive recurrence with the plastic number).
+fn points() -> Vec<[f64; 2]> {
+    let g = 1.324_717_957_244_746;
+    (0..POINTS).map(|i| [(i as f64 / g).fract(), (i as f64 / (g * g)).fract()]).collect()
+}
+
+fn evaluate_f64(model: &Model, points: &[[f64; 2]]) -> f64 {
+    let surface = &model.surfaces()[0];
+    let [[u0, u1], [v0, v1]] = surface.domain();
+    let uv: Vec<[f64; 2]> = points.iter().map(|[s, t]| [u0 + (u1 - u0) * s, v0 + (v1 - v0) * t]).collect();
+    let start = Instant::now();
+    for &[u, v] in &uv {
+        let d = surface.first_derivatives(u, v);
+        black_box((d.s, d.su.cross(d.sv).normalize()));
+    }
+    start.elapsed().as_nanos() as f64 / uv.len() as f64
+}
+
+fn evaluate_f32(model: &Model, points: &[[f64; 2]]) -> Result<f64> {
+    let scene = PackedScene::new(model, Scheme::Specialised)?;
+    let mut uv: Vec<[f32; 2]> = points.iter().map(|uv| uv.map(|t| t as f32)).collect();
+    // As a rasterizer meets them: one span after the other.
+    let [ku, kv] = scene.knots(&scene.faces[0]);
+    uv.sort_by_key(|uv| (ku.partition_point(|k| *k <= uv[0]), kv.partition_point(|k| *k <= uv[1])));
+    let mut out: Vec<Fragment> = Vec::with_capacity(uv.len());
+    let start = Instant::now();
+    fragment_row(&scene, 0, &uv, false, &mut out);
+    let time = start.elapsed().as_nanos() as f64;
+    black_box(&out);
+    Ok(time / uv.len() as f64)
+}
+
+/// Rays straight down on a model's first face, and rays that skim it at 4°.
+fn rays(model: &Model) -> [Vec<Ray>; 2] {
+    let hull = model.hull();
+    let (center, size) = (hull.center(), hull.diagonal());
+    let viewport = Viewport::new(RAYS, RAYS).expect("a legal size");
+    let grid = |direction: DVec3, up: DVec3, height: f64| {
+        let eye = center - direction.normalize() * size;
+        let camera = Camera::look_at(eye, center, up, Projection::Orthographic { height }).expect("a legal camera");
+        let pixels = (0..RAYS * RAYS).map(move |i| (i % RAYS, i / RAYS));
+        pixels.map(move |(x, y)| camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5)).collect()
+    };
+    [grid(-DVec3::Z, DVec3::Y, size / 2.0), grid(DVec3::new(-1.0, 0.0, -0.07), DVec3::Z, size / 4.0)]
+}
+
+fn cast(caster: &Caster, rays: &[Ray]) -> f64 {
+    let start = Instant::now();
+    for ray in rays {
+        black_box(caster.first(ray));
+    }
+    start.elapsed().as_secs_f64() * 1e6 / rays.len() as f64
+}
+
+/// Cameras around a model: the frames of a rotating object.
+fn turning(model: &Model, viewport: Viewport, frames: usize, start: f64) -> Vec<Camera> {
+    let framing = Camera::framing(model, viewport);
+    let center = model.hull().center();
+    let turn = |i: usize| DQuat::from_rotation_z(start + i as f64 * std::f64::consts::TAU / frames as f64);
+    (0..frames)
+        .map(|i| {
+            let eye = center + turn(i) * (framing.eye() - center);
+            Camera::look_at(eye, center, DVec3::Z, framing.projection()).expect("a turned camera is as legal")
+        })
+        .collect()
+}
+
+fn frames_on_cpu(model: &Model, cells: usize, cameras: &[Camera], viewport: Viewport, scheme: Scheme) -> Result<f64> {
+    let scene = PackedScene::new(model, scheme)?;
+    let proxy = Proxy::uniform(model, &scene, cells)?;
+    let views: Vec<_> = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
+    let options = raster::Options { curvature: false, interpolated_normals: false };
+    let metas: Vec<_> = cameras.iter().map(|camera| gbuffer::Meta::new("raster", "fragment", model, camera)).collect();
+    let start = Instant::now();
+    for ((camera, views), meta) in cameras.iter().zip(&views).zip(metas) {
+        let drawing = raster::Drawing { scene: &scene, proxy: &proxy, views, camera, viewport, options };
+        black_box(raster::Rasterizer::new(drawing).render(meta, &|_| {}));
+    }
+    Ok(cameras.len() as f64 / start.elapsed().as_secs_f64())
+}
+
+fn frames_on_gpu(
+    device: &gpu::Device,
+    model: &Model,
+    cells: usize,
+    cameras: &[Camera],
+    viewport: Viewport,
+    scheme: Scheme,
+) -> Result<f64> {
+    let scene = PackedScene::new(model, scheme)?;
+    let proxy = Proxy::uniform(model, &scene, cells)?;
+    let views: Vec<_> = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
+    let mut renderer = gpu::Renderer::new(device, &scene, &proxy, gpu::RendererOptions::default())?;
+    let camera = cameras.first().context("a round has frames")?;
+    let shading = Shading::new(ShadeKind::Isophotes).uniform(camera, model.hull().diagonal());
+    Ok(renderer.time_shaded(&views, &shading, viewport)?.frames_per_second())
+}

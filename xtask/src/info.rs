@@ -1,0 +1,214 @@
+//! `info`: what a model consists of.
+
+use crate::format::Format;
+use crate::view::ModelArgs;
+use anyhow::Result;
+use clap::Args;
+use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use nurbs::{Direction, Hull, KnotVector, Surface};
+use scene::{FaceId, Model};
+use serde::Serialize;
+
+/// A side counts as collapsed to a point when its control points stay within this share of the surface's box.
+const COLLAPSED_SHARE: f64 = 1e-12;
+
+/// Rows that the table prints before it only counts the rest; JSON always lists all.
+const TABLE_ROWS: usize = 64;
+
+/// Show what a model consists of: faces, degrees, control points, knots, boxes, degenerate edges
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// List the built-in models instead
+    #[arg(long)]
+    list: bool,
+    /// For people or for machines
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Serialize)]
+struct FaceInfo {
+    face: usize,
+    surface: usize,
+    degree: [usize; 2],
+    control_points: [usize; 2],
+    spans: [usize; 2],
+    rational: bool,
+    reversed: bool,
+    knots_u: KnotInfo,
+    knots_v: KnotInfo,
+    hull: [[f64; 3]; 2],
+    /// Sides that are a single point: `u0`, `u1`, `v0`, `v1`.
+    degenerate_edges: Vec<&'static str>,
+    trim_loops: usize,
+}
+
+#[derive(Serialize)]
+struct KnotInfo {
+    count: usize,
+    domain: [f64; 2],
+    clamped: bool,
+    /// Distinct knots inside the domain with their multiplicities.
+    interior: Vec<(f64, usize)>,
+}
+
+#[derive(Serialize)]
+struct ModelInfo {
+    model: String,
+    hash: String,
+    faces: Vec<FaceInfo>,
+    hull: [[f64; 3]; 2],
+    bezier_patches: usize,
+    note: Option<&'static str>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where the model cannot be read.
+pub fn run(args: &InfoArgs) -> Result<()> {
+    if args.list {
+        for (name, description) in formats::BUILTINS {
+            println!("{name:20} {description}");
+        }
+        return Ok(());
+    }
+    let model = args.model.open()?;
+    let info = describe(&model);
+    match args.format {
+        Format::Json => println!("{}", serde_json::to_string_pretty(&info)?),
+        Format::Table => print(&info),
+    }
+    Ok(())
+}
+
+/// What is said of a model with trim loops until renderers cut along them.
+pub const TRIM_NOTE: &str = "trim loops are read and kept, but not applied yet: untrimmed surfaces are drawn";
+
+fn describe(model: &Model) -> ModelInfo {
+    let faces: Vec<FaceInfo> = (0..model.faces().len()).map(|id| face(model, id)).collect();
+    let bezier_patches = faces.iter().map(|f| f.spans[0] * f.spans[1]).sum();
+    ModelInfo {
+        model: model.name().to_owned(),
+        hash: model.hash(),
+        faces,
+        hull: corners(model.hull()),
+        bezier_patches,
+        note: model.is_trimmed().then_some(TRIM_NOTE),
+    }
+}
+
+fn corners(hull: Hull) -> [[f64; 3]; 2] {
+    [hull.min.to_array(), hull.max.to_array()]
+}
+
+fn face(model: &Model, id: usize) -> FaceInfo {
+    let face = &model.faces()[id];
+    let surface = model.surface(FaceId(id as u32));
+    let [ku, kv] = [Direction::U, Direction::V].map(|d| surface.knots(d));
+    FaceInfo {
+        face: id,
+        surface: face.surface,
+        degree: surface.degree(),
+        control_points: surface.control_counts(),
+        spans: [ku.spans().count(), kv.spans().count()],
+        rational: surface.weights().is_some(),
+        reversed: face.reversed,
+        knots_u: knots(ku),
+        knots_v: knots(kv),
+        hull: corners(surface.hull()),
+        degenerate_edges: degenerate_edges(surface),
+        trim_loops: face.loops.len(),
+    }
+}
+
+fn knots(knots: &KnotVector) -> KnotInfo {
+    let (start, end) = knots.domain();
+    let interior = knots.knots().chunk_by(|a, b| a == b).filter(|run| start < run[0] && run[0] < end);
+    KnotInfo {
+        count: knots.knots().len(),
+        domain: [start, end],
+        clamped: knots.is_clamped(),
+        interior: interior.map(|run| (run[0], run.len())).collect(),
+    }
+}
+
+/// The sides whose Bézier control points all coincide.
+fn degenerate_edges(surface: &Surface) -> Vec<&'static str> {
+    let patches = surface.bezier_patches();
+    let [[u0, u1], [v0, v1]] = surface.domain();
+    let [p, q] = surface.degree();
+    let least = surface.hull().diagonal() * COLLAPSED_SHARE;
+    let collapsed = |direction: Direction, end: f64, row: usize, side: usize| {
+        let points = patches.iter().filter(|patch| patch.domain[direction as usize][side] == end).flat_map(|patch| {
+            patch.control.iter().enumerate().filter_map(move |(index, c)| {
+                let on_side = if direction == Direction::U { index / (q + 1) == row } else { index % (q + 1) == row };
+                on_side.then(|| c.truncate() / c.w)
+            })
+        });
+        Hull::of(points).diagonal() <= least + 1e-15
+    };
+    let sides = [
+        ("u0", collapsed(Direction::U, u0, 0, 0)),
+        ("u1", collapsed(Direction::U, u1, p, 1)),
+        ("v0", collapsed(Direction::V, v0, 0, 0)),
+        ("v1", collapsed(Direction::V, v1, q, 1)),
+    ];
+    sides.into_iter().filter_map(|(name, is)| is.then_some(name)).collect()
+}
+
+fn print(info: &ModelInfo) {
+    let point = |p: [f64; 3]| format!("({:.6}, {:.6}, {:.6})", p[0], p[1], p[2]);
+    println!("{}: {} faces, {} Bézier patches, hash {}", info.model, info.faces.len(), info.bezier_patches, info.hash);
+    println!("box {} to {}", point(info.hull[0]), point(info.hull[1]));
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED);
+    table.set_header([
+        "face",
+        "degree",
+        "control points",
+        "knots in u",
+        "knots in v",
+        "kind",
+        "degenerate",
+        "trims",
+        "box",
+    ]);
+    for f in info.faces.iter().take(TABLE_ROWS) {
+        let kind = if f.rational { "rational" } else { "polynomial" };
+        let kind = if f.reversed { format!("{kind}, reversed") } else { kind.to_owned() };
+        table.add_row([
+            f.face.to_string(),
+            format!("{} × {}", f.degree[0], f.degree[1]),
+            format!("{} × {}", f.control_points[0], f.control_points[1]),
+            knot_text(&f.knots_u),
+            knot_text(&f.knots_v),
+            kind,
+            f.degenerate_edges.join(" "),
+            f.trim_loops.to_string(),
+            format!("{}\n{}", point(f.hull[0]), point(f.hull[1])),
+        ]);
+    }
+    println!("{table}");
+    if info.faces.len() > TABLE_ROWS {
+        println!("… and {} more (--format json lists all)", info.faces.len() - TABLE_ROWS);
+    }
+    if let Some(note) = info.note {
+        println!("note: {note}");
+    }
+}
+
+fn knot_text(knots: &KnotInfo) -> String {
+    let repeated = knots.interior.iter().map(|(_, m)| *m).max().unwrap_or(0);
+    let ends = if knots.clamped { "clamped" } else { "unclamped" };
+    format!(
+        "{} on [{}, {}]\n{ends}, {} inside, multiplicity ≤ {}",
+        knots.count,
+        knots.domain[0],
+        knots.domain[1],
+        knots.interior.len(),
+        repeated.max(1)
+    )
+}

@@ -1,0 +1,18 @@
+//! The command line of Isophote: one file a command, and what they share.
+//!
+//! A library, so that the conformance tests drive the same [`stage`] as a user does.
+
+pub mod adapters;
+pub mod bench;
+pub mod bless;
+pub mod ci;
+pub mod compare;
+pub mod eval;
+pub mod format;
+pub mod info;
+pub mod kanai;
+pub mod pixel;
+pub mod render;
+pub mod stage;
+pub mod terminal;
+pub mod view;

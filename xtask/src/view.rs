@@ -1,0 +1,96 @@
+//! What is drawn and from where, from the command line.
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use glam::DVec3;
+use scene::{Camera, Model, Projection, Viewport};
+use std::path::Path;
+
+/// A model by name or file.
+#[derive(Debug, Clone, Args)]
+pub struct ModelArgs {
+    /// A model file (.json, .bpt) or the name of a built-in model (see `cargo xtask info --list`)
+    #[arg(value_name = "MODEL", default_value = "teapot")]
+    pub model: String,
+}
+
+/// Where the camera stands and what it fills.
+#[derive(Debug, Clone, Args)]
+pub struct ViewArgs {
+    /// Where the camera stands; without it, the model is framed from the front right, above
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    pub eye: Option<Vec<f64>>,
+    /// What it looks at [default: the centre of the model's box]
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    pub target: Option<Vec<f64>>,
+    /// What points upward in the picture
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    pub up: Option<Vec<f64>>,
+    /// Full vertical field of view, degrees [default: 40]
+    #[arg(long, value_name = "DEG", conflicts_with = "ortho", allow_negative_numbers = true)]
+    pub fov: Option<f64>,
+    /// Orthographic view of this height, model units
+    #[arg(long, value_name = "HEIGHT", allow_negative_numbers = true)]
+    pub ortho: Option<f64>,
+    /// Depth of the near plane, model units [default: 1/1024 of the distance to the target; 0 with --ortho]
+    #[arg(long, value_name = "DEPTH", allow_negative_numbers = true)]
+    pub near: Option<f64>,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "512x512")]
+    pub size: String,
+}
+
+impl ModelArgs {
+    /// Opens the model.
+    ///
+    /// # Errors
+    /// Where it is neither a built-in name nor a readable file; a file's error names the place and the value.
+    pub fn open(&self) -> Result<Model> {
+        if let Some(model) = formats::builtin(&self.model) {
+            return Ok(model);
+        }
+        let path = Path::new(&self.model);
+        if !path.exists() && path.extension().is_none() && !self.model.contains(std::path::is_separator) {
+            let names: Vec<&str> = formats::BUILTINS.iter().map(|(name, _)| *name).collect();
+            bail!("there is no built-in model {:?} (there are {}), and no such file", self.model, names.join(", "));
+        }
+        Ok(formats::read(path)?)
+    }
+}
+
+impl ViewArgs {
+    /// The viewport.
+    ///
+    /// # Errors
+    /// Where `--size` is not WxH or a side is not legal.
+    pub fn viewport(&self) -> Result<Viewport> {
+        let (width, height) = self
+            .size
+            .split_once(['x', 'X'])
+            .and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)))
+            .with_context(|| format!("--size {:?} is not WIDTHxHEIGHT, as in 512x512", self.size))?;
+        Ok(Viewport::new(width, height)?)
+    }
+
+    /// The camera that sees `model`.
+    ///
+    /// # Errors
+    /// Where the values make no camera.
+    pub fn camera(&self, model: &Model, viewport: Viewport) -> Result<Camera> {
+        let vector = |v: &Option<Vec<f64>>| v.as_ref().map(|v| DVec3::new(v[0], v[1], v[2]));
+        let framing = Camera::framing(model, viewport);
+        let projection = match (self.fov, self.ortho) {
+            (Some(fov_deg), _) => Projection::Perspective { fov_deg },
+            (None, Some(height)) => Projection::Orthographic { height },
+            (None, None) => framing.projection(),
+        };
+        let eye = vector(&self.eye).unwrap_or(framing.eye());
+        let target = vector(&self.target).unwrap_or_else(|| model.hull().center());
+        let up = vector(&self.up).unwrap_or(DVec3::Z);
+        let camera = Camera::look_at(eye, target, up, projection)?;
+        Ok(match self.near {
+            Some(near) => camera.with_near(near)?,
+            None => camera,
+        })
+    }
+}
