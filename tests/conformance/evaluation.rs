@@ -29,7 +29,8 @@ fn vector(value: &Value) -> DVec3 {
 
 fn cases() -> Vec<Case> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../testdata/oracle/eval");
-    let mut files: Vec<PathBuf> = folder.read_dir().expect("frozen answers").map(|e| e.expect("an entry").path()).collect();
+    let mut files: Vec<PathBuf> =
+        folder.read_dir().expect("frozen answers").map(|e| e.expect("an entry").path()).collect();
     files.sort();
     let mut cases = vec![];
     for file in files {
@@ -92,7 +93,9 @@ fn disagreements(cases: &[Case]) -> (Vec<String>, usize) {
             // The oracle stops at first order; a higher one may find the limit that it does not.
             let agree = matches!(
                 (kind, status),
-                ("regular", NormalStatus::Regular) | ("limit", NormalStatus::Limit) | ("none", NormalStatus::Limit | NormalStatus::Undefined)
+                ("regular", NormalStatus::Regular)
+                    | ("limit", NormalStatus::Limit)
+                    | ("none", NormalStatus::Limit | NormalStatus::Undefined)
             );
             if !agree {
                 found.push((f64::INFINITY, format!("{} normal at {:?}: {kind}, found {status:?}", case.name, uv[i])));
@@ -101,17 +104,24 @@ fn disagreements(cases: &[Case]) -> (Vec<String>, usize) {
                 let expected = vector(&case.answers["normal"][i]);
                 let error = point.normal.unit().map_or(f64::INFINITY, |n| n.distance(expected));
                 if error > CURVATURES {
-                    found.push((error / CURVATURES, format!("{} normal at {:?}: off by {error:.2e}", case.name, uv[i])));
+                    found
+                        .push((error / CURVATURES, format!("{} normal at {:?}: off by {error:.2e}", case.name, uv[i])));
                 }
             }
             if let Some(k) = point.curvature.filter(|_| kind == "regular") {
                 let answer = |name: &str| case.answers[name][i].as_f64().expect("a curvature");
                 let largest = answer("k1").abs().max(answer("k2").abs()).max(1.0 / size);
-                let values = [("K", k.gaussian, largest * largest), ("H", k.mean, largest), ("k1", k.k1, largest), ("k2", k.k2, largest)];
+                let values = [
+                    ("K", k.gaussian, largest * largest),
+                    ("H", k.mean, largest),
+                    ("k1", k.k1, largest),
+                    ("k2", k.k2, largest),
+                ];
                 for (name, value, scale) in values {
                     let share = (value - answer(name)).abs() / scale / CURVATURES;
                     if share.is_nan() || share > 1.0 {
-                        found.push((share, format!("{} {name} at {:?}: {share:.2} of the tolerance", case.name, uv[i])));
+                        found
+                            .push((share, format!("{} {name} at {:?}: {share:.2} of the tolerance", case.name, uv[i])));
                     }
                 }
             }
@@ -153,7 +163,9 @@ fn every_other_form_of_a_surface_evaluates_alike() {
         let mut refined = s.clone();
         for direction in [Direction::U, Direction::V] {
             let (start, end) = s.knots(direction).domain();
-            refined = refined.refined(direction, &[start + 0.31 * (end - start), start + 0.77 * (end - start)]).expect("inside");
+            refined = refined
+                .refined(direction, &[start + 0.31 * (end - start), start + 0.77 * (end - start)])
+                .expect("inside");
             if refined.knots(direction).degree() < nurbs::MAX_DEGREE {
                 refined = refined.elevated(direction).expect("below the cap");
             }
@@ -168,7 +180,11 @@ fn every_other_form_of_a_surface_evaluates_alike() {
             near(refined.point(u, v), expected, "refined and elevated");
             near(halves[usize::from(u >= cut)].point(u, v), expected, "split");
             let hull = patch.hull();
-            assert!(hull.min.cmple(expected + 1e-300).all() && hull.max.cmpge(expected - 1e-300).all(), "{} hull", case.name);
+            assert!(
+                hull.min.cmple(expected + 1e-300).all() && hull.max.cmpge(expected - 1e-300).all(),
+                "{} hull",
+                case.name
+            );
         }
     }
 }
@@ -185,8 +201,15 @@ fn derivative_bounds_hold_everywhere() {
                     // Strictly inside, so that the span is the patch's own.
                     let (u, v) = (u0 + (u1 - u0) * (i as f64 + 0.5) / 8.0, v0 + (v1 - v0) * (j as f64 + 0.5) / 8.0);
                     let d = case.surface.second_derivatives(u, v);
-                    for (value, bound) in [(d.su, bounds.u), (d.sv, bounds.v), (d.suu, bounds.uu), (d.suv, bounds.uv), (d.svv, bounds.vv)] {
-                        assert!(value.length() <= bound * (1.0 + 1e-9) + 1e-300, "{} at ({u}, {v}): {} > {bound}", case.name, value.length());
+                    for (value, bound) in
+                        [(d.su, bounds.u), (d.sv, bounds.v), (d.suu, bounds.uu), (d.suv, bounds.uv), (d.svv, bounds.vv)]
+                    {
+                        assert!(
+                            value.length() <= bound * (1.0 + 1e-9) + 1e-300,
+                            "{} at ({u}, {v}): {} > {bound}",
+                            case.name,
+                            value.length()
+                        );
                     }
                 }
             }

@@ -1,7 +1,6 @@
 //! What a user would lose: twins, three-way agreement, goldens, oracles, the comparer itself, and the command line.
 
 mod arrows;
-mod cli;
 mod evaluation;
 mod faults;
 mod golden;

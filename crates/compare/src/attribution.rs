@@ -3,7 +3,7 @@
 use crate::Cause;
 use gbuffer::Hit;
 use glam::{DVec3, DVec4};
-use nurbs::{Direction, Surface, basis_derivatives};
+use nurbs::{Direction, KnotVector, Surface, basis_derivatives};
 use scene::Model;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
@@ -32,19 +32,25 @@ impl<'m> Attribution<'m> {
 
     /// The cause of a position that is `excess` times its tolerance away from S at its own (u, v).
     ///
-    /// In this order: u and v exchanged, quotient missing, another span, net transposed, another face; then the
-    /// domain's end (whose span is a case of its own), not finite, nearly right, unexplained.
+    /// In this order: not finite, u and v exchanged (a net read by columns gives the same point on a face whose two
+    /// knot vectors are alike, with the opposite normal), quotient missing, nearly right, another span, net
+    /// transposed, another face, the domain's end (whose span is a case of its own), unexplained.
     pub fn of_position(&self, hit: &Hit, excess: f64) -> Cause {
         let surface = self.model.surface(hit.face);
-        let [[u0, u1], [v0, v1]] = surface.domain();
-        let at_end = hit.uv.x == u1 || hit.uv.y == v1;
         if !hit.position.is_finite() || !hit.uv.is_finite() {
-            return if at_end { Cause::Span } else { Cause::NotFinite };
+            return if hit.uv.is_finite() && on_outermost_span(surface, hit) { Cause::Span } else { Cause::NotFinite };
         }
+        let [[u0, u1], [v0, v1]] = surface.domain();
         let near = |s: DVec3| s.distance(hit.position) <= MATCH_SHARE * surface.hull().diagonal();
         let [local_u, local_v] = [(hit.uv.x - u0) / (u1 - u0), (hit.uv.y - v0) / (v1 - v0)];
-        if near(surface.point(u0 + (u1 - u0) * local_v, v0 + (v1 - v0) * local_u)) && (local_u - local_v).abs() > 1e-4 {
-            return Cause::Parameters;
+        let exchanged = surface.inspect(u0 + (u1 - u0) * local_v, v0 + (v1 - v0) * local_u);
+        if near(exchanged.derivatives.s) {
+            let reversed = self.model.faces()[hit.face.0 as usize].reversed;
+            let opposite = match (hit.normal.unit(), exchanged.normal.unit()) {
+                (Some(shown), Some(n)) => (shown.dot(n) < 0.0) != reversed,
+                _ => false,
+            };
+            return if opposite { Cause::ControlNet } else { Cause::Parameters };
         }
         if is_numerator(surface, hit) {
             return Cause::Rational;
@@ -61,7 +67,7 @@ impl<'m> Attribution<'m> {
         if self.another_face(hit, [local_u, local_v]) {
             return Cause::Face;
         }
-        if at_end { Cause::Span } else { Cause::Position }
+        if hit.uv.x == u1 || hit.uv.y == v1 { Cause::Span } else { Cause::Position }
     }
 
     fn another_face(&self, hit: &Hit, [local_u, local_v]: [f64; 2]) -> bool {
@@ -71,7 +77,9 @@ impl<'m> Attribution<'m> {
             let surface = &self.model.surfaces()[self.model.faces()[id].surface];
             let [[u0, u1], [v0, v1]] = surface.domain();
             let s = surface.point(u0 + (u1 - u0) * local_u, v0 + (v1 - v0) * local_v);
+            let own = self.model.surface(hit.face).origin();
             s.distance(hit.position) <= MATCH_SHARE * surface.hull().diagonal()
+                || power_of_two(hit.position - own, s - surface.origin()).is_some()
         };
         let remembered = self.offset.load(Relaxed);
         if remembered > 0 && matches(remembered) {
@@ -88,20 +96,31 @@ impl<'m> Attribution<'m> {
     }
 }
 
-/// Positions on the neighbouring spans' polynomials.
+/// Whether the parameters are on a first or last span, from which a slip leaves the knot vector.
+fn on_outermost_span(surface: &Surface, hit: &Hit) -> bool {
+    [(Direction::U, hit.uv.x), (Direction::V, hit.uv.y)].into_iter().any(|(direction, t)| {
+        let knots = surface.knots(direction);
+        let (first, last) = (knots.spans().next(), knots.spans().last());
+        [first, last].contains(&Some(knots.find_span(t)))
+    })
+}
+
+/// Positions by the basis functions and the part of the net that belong to neighbouring spans, nonempty or not, as a
+/// program that is one off in its span reads them: past the end of a row it finds the next row.
 fn other_spans<'a>(surface: &'a Surface, hit: &'a Hit) -> impl Iterator<Item = DVec3> + 'a {
-    let [ku, kv] = [Direction::U, Direction::V].map(|direction| surface.knots(direction));
-    let spans = |knots: &nurbs::KnotVector, t: f64| {
-        let (span, all) = (knots.find_span(t), knots.spans().collect::<Vec<_>>());
-        let position = all.iter().position(|&k| k == span).expect("a found span is one of them");
-        all[position.saturating_sub(1)..(position + 2).min(all.len())].to_vec()
-    };
-    let (us, vs) = (spans(ku, hit.uv.x), spans(kv, hit.uv.y));
-    let own = [ku.find_span(hit.uv.x), kv.find_span(hit.uv.y)];
-    us.into_iter()
-        .flat_map(move |k| vs.clone().into_iter().map(move |l| [k, l]))
-        .filter(move |span| *span != own)
-        .map(|[k, l]| surface.first_derivatives_on(k, l, hit.uv.x, hit.uv.y).s)
+    let steps = [-1isize, 0, 1];
+    let pairs = steps.into_iter().flat_map(move |k| steps.into_iter().map(move |l| [k, l]));
+    pairs.filter(|step| *step != [0, 0]).filter_map(move |step| {
+        let a = sum(surface, hit, step, |i, j, _, columns| i * columns + j)?;
+        Some(surface.origin() + a.truncate() / a.w)
+    })
+}
+
+/// The whole power p for which a = 2ᵖ b, if there is one.
+fn power_of_two(a: DVec3, b: DVec3) -> Option<f64> {
+    let power = (a.length() / b.length()).log2();
+    let parallel = a.distance(b * power.round().exp2()) <= MATCH_SHARE * a.length();
+    (power.is_finite() && parallel).then(|| power.round())
 }
 
 /// Whether the position is the numerator of S, about the surface's origin and up to a power of two.
@@ -109,38 +128,40 @@ fn is_numerator(surface: &Surface, hit: &Hit) -> bool {
     if surface.weights().is_none() {
         return false;
     }
-    let s = surface.point(hit.uv.x, hit.uv.y) - surface.origin();
-    let shown = hit.position - surface.origin();
-    let weight = sum(surface, hit, |i, j, _, columns| Some(i * columns + j)).expect("its own net is complete").w;
-    let ratio = shown.length() / (s.length() * weight);
-    let power = ratio.log2();
-    let parallel = shown.cross(s).length() <= MATCH_SHARE * shown.length() * s.length();
-    parallel
-        && shown.dot(s) > 0.0
-        && (power - power.round()).abs() <= MATCH_SHARE
-        && (ratio * weight - 1.0).abs() > MATCH_SHARE
+    let numerator = sum(surface, hit, [0, 0], |i, j, _, columns| i * columns + j).expect("its own net is complete");
+    power_of_two(hit.position - surface.origin(), numerator.truncate()).is_some()
 }
 
 /// S with the control net read by columns, in the two strides that a slip may use.
 fn transposed(surface: &Surface, hit: &Hit) -> [Option<DVec3>; 2] {
     let position = |a: DVec4| surface.origin() + a.truncate() / a.w;
     [
-        sum(surface, hit, |i, j, rows, _| Some(j * rows + i)).map(position),
-        sum(surface, hit, |i, j, _, columns| Some(j * columns + i)).map(position),
+        sum(surface, hit, [0, 0], |i, j, rows, _| j * rows + i).map(position),
+        sum(surface, hit, [0, 0], |i, j, _, columns| j * columns + i).map(position),
     ]
 }
 
-/// Σ N_i N_j c[index(i, j, rows, columns)], or `None` where an index leaves the net.
-fn sum(surface: &Surface, hit: &Hit, index: impl Fn(usize, usize, usize, usize) -> Option<usize>) -> Option<DVec4> {
+/// Σ N_i N_j c[index(i, j, rows, columns)] on the span `step` away from the hit's own, or `None` where an index leaves
+/// the knots or the net.
+fn sum(
+    surface: &Surface,
+    hit: &Hit,
+    step: [isize; 2],
+    index: impl Fn(usize, usize, usize, usize) -> usize,
+) -> Option<DVec4> {
     let [ku, kv] = [Direction::U, Direction::V].map(|direction| surface.knots(direction));
-    let (k, l) = (ku.find_span(hit.uv.x), kv.find_span(hit.uv.y));
+    let moved = |knots: &KnotVector, t: f64, step: isize| {
+        let span = knots.find_span(t).checked_add_signed(step)?;
+        (span >= knots.degree() && span + knots.degree() < knots.knots().len()).then_some(span)
+    };
+    let (k, l) = (moved(ku, hit.uv.x, step[0])?, moved(kv, hit.uv.y, step[1])?);
     let nu = basis_derivatives(ku, k, hit.uv.x, 0);
     let nv = basis_derivatives(kv, l, hit.uv.y, 0);
     let [rows, columns] = surface.control_counts();
     let mut total = DVec4::ZERO;
     for i in 0..=ku.degree() {
         for j in 0..=kv.degree() {
-            let at = index(k - ku.degree() + i, l - kv.degree() + j, rows, columns)?;
+            let at = index(k - ku.degree() + i, l - kv.degree() + j, rows, columns);
             total += nu[0][i] * nv[0][j] * DVec4::from_array(*surface.homogeneous().get(at)?);
         }
     }

@@ -57,11 +57,6 @@ impl Deviation {
     pub fn model_units(&self, face: usize) -> f64 {
         self.chord[face] + self.attribute[face]
     }
-
-    /// The allowance in pixels where a model unit covers `pixels_per_unit`.
-    pub fn pixels(&self, face: usize, pixels_per_unit: f64) -> f64 {
-        self.model_units(face) * pixels_per_unit + self.snap_px
-    }
 }
 
 fn attribute(model: &Model) -> Vec<f64> {

@@ -9,7 +9,7 @@ use gbuffer::{GBuffer, Hit, PrincipalCurvatures};
 use glam::{DVec2, DVec3};
 use nurbs::{Direction, Normal, SurfacePoint};
 use rayon::prelude::*;
-use scene::{Camera, Model, Projection, Viewport};
+use scene::{Camera, Model, Viewport};
 
 /// The share of covered pixels that may stay undecided in an agreement.
 pub const UNDECIDED_SHARE: f64 = 1e-3;
@@ -136,7 +136,7 @@ impl<'m> Judge<'m> {
     /// For each pixel, in this order; the first that fails gives the cause:
     /// 1. *evaluation*: position, normal and curvatures at the candidate's own (u, v) lie within [`Tolerance`] of f64.
     ///    A parameter within rounding of a knot may be on either span;
-    /// 2. *geometry*: S(u, v) projects to within the bound ([`Deviation::pixels`]) of what the reference shows there:
+    /// 2. *geometry*: S(u, v) projects to within the bound ([`Deviation::model_units`], seen there) of what the reference shows there:
     ///    of the pixel's centre, for a ray caster;
     /// 3. *visibility*: nothing that the reference sees within the bound of the centre hides that point by more than
     ///    the bound, everywhere;
@@ -293,21 +293,9 @@ impl<'m> Judge<'m> {
         self.model.surface(hit.face).point(hit.uv.x, hit.uv.y)
     }
 
-    fn pixels_per_unit(&self, position: DVec3) -> f64 {
-        let depth = (position - self.camera.eye()).dot(self.camera.forward()).max(self.camera.near());
-        match self.camera.projection() {
-            Projection::Perspective { .. } => self.camera.pixels_per_unit(self.viewport, depth),
-            Projection::Orthographic { .. } => self.camera.pixels_per_unit(self.viewport, 1.0),
-        }
-    }
-
-    /// Picture position of a point, even of one that rounding has put before the near plane.
+    /// Picture position of a point, which may lie before the near plane by what a triangle may be off the surface.
     fn picture(&self, position: DVec3) -> Option<DVec2> {
-        let behind = position + self.camera.forward() * (self.camera.near() * 1e-3);
-        self.camera
-            .project(self.viewport, position)
-            .or_else(|| self.camera.project(self.viewport, behind))
-            .map(|(p, _)| p)
+        self.camera.picture(self.viewport, position)
     }
 }
 
@@ -358,10 +346,11 @@ impl Pair<'_, '_> {
         let shares = self.judge.evaluation(candidate)?;
         let s = self.judge.surface_point(candidate);
         let face = candidate.face.0 as usize;
-        let bound_px = self.deviation.pixels(face, self.judge.pixels_per_unit(s));
+        let bound_px = self.bound_of(face, s);
         // Along the ray: the chord on either side, and what rounding of S itself may be.
         let slack = 2.0 * self.deviation.model_units(face) + 2.0 * candidate.position.distance(s);
-        let picture = self.judge.picture(s);
+        let in_front = self.judge.camera.depth(s) >= self.judge.camera.near() - slack;
+        let picture = self.judge.picture(s).filter(|_| in_front);
         let same = reference.filter(|r| r.face == candidate.face && (r.t - candidate.t).abs() <= slack);
         let along = same.map_or(0.0, |r| (r.t - candidate.t).abs());
         // Geometry.
@@ -434,7 +423,13 @@ impl Pair<'_, '_> {
     }
 
     fn bound_at(&self, hit: &Hit) -> f64 {
-        self.deviation.pixels(hit.face.0 as usize, self.judge.pixels_per_unit(hit.position))
+        self.bound_of(hit.face.0 as usize, hit.position)
+    }
+
+    /// The allowance across the ray, in pixels, for a point of a face.
+    fn bound_of(&self, face: usize, position: DVec3) -> f64 {
+        let radius = self.deviation.model_units(face);
+        self.judge.camera.pixels_within(self.judge.viewport, position, radius) + self.deviation.snap_px
     }
 
     /// Whether a sample shows the candidate's point: same face, same place in the picture and in depth.
@@ -483,8 +478,12 @@ impl Pair<'_, '_> {
         })
     }
 
-    /// Whether a border of the hit's face passes within `radius` pixels of a position.
+    /// Whether a border of the hit's face passes within `radius` pixels of a position, or the near plane cuts it there.
     fn near_border(&self, hit: &Hit, center: DVec2, radius: f64) -> bool {
+        let beyond_near = self.judge.camera.depth(hit.position) - self.judge.camera.near();
+        if beyond_near <= self.deviation.model_units(hit.face.0 as usize) {
+            return true;
+        }
         let surface = self.judge.model.surface(hit.face);
         let [[u0, u1], [v0, v1]] = surface.domain();
         let DVec2 { x: u, y: v } = hit.uv;

@@ -7,7 +7,8 @@
 //!
 //! c counts the roundings of the longest chain (control point, p + q columns of the inverse triangle with four each,
 //! p + q + 2 products and sums); the other two terms are what moving each of the p + q active knots by half an ulp of
-//! κ = max(1, |knot|) does: the surface then is that of a parameter moved by as much. Quotient, cross product,
+//! κ = max(1, |knot|) does (nothing, where f32 holds them exactly): the surface then is that of a parameter moved by as
+//! much. Quotient, cross product,
 //! normalisation and curvature carry these errors on by the product rule. The result is doubled for the second order.
 
 use glam::{DVec3, DVec4};
@@ -39,7 +40,7 @@ pub struct ToleranceModel<'s> {
     surface: &'s Surface,
     /// Roundings in the longest chain.
     chain: f64,
-    /// max(1, |knot|) over local knots, in both directions.
+    /// max(1, |knot|) over local knots, in both directions; 0 where f32 holds them all exactly.
     kappa: [f64; 2],
     /// Half the diagonal of the control box: what narrowing of the control points is relative to.
     radius: f64,
@@ -52,7 +53,10 @@ impl<'s> ToleranceModel<'s> {
         let kappa = [Direction::U, Direction::V].map(|direction| {
             let knots = surface.knots(direction);
             let (low, length) = (knots.domain().0, knots.length());
-            knots.knots().iter().fold(1.0, |most: f64, k| most.max(((k - low) / length).abs()))
+            let local = || knots.knots().iter().map(|k| (k - low) / length);
+            // Knots that f32 holds exactly do not move: those of a Bézier patch, and other dyadic ones.
+            let exact = local().all(|k| f64::from(k as f32) == k);
+            if exact { 0.0 } else { local().fold(1.0, |most: f64, k| most.max(k.abs())) }
         });
         Self {
             surface,

@@ -60,8 +60,7 @@ impl SceneBuffers {
         if views.len() != self.faces {
             return Err(GpuError::ViewCount { expected: self.faces, found: views.len() });
         }
-        device
-            .guarded("writing the views", || device.queue.write_buffer(&self.views, 0, bytemuck::cast_slice(views)))
+        device.guarded("writing the views", || device.queue.write_buffer(&self.views, 0, bytemuck::cast_slice(views)))
     }
 
     /// Says how the next frame is shaded.
@@ -109,7 +108,12 @@ pub(crate) fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
 
 impl Device {
     /// A buffer that holds `bytes`; an empty one has room for a few, since WebGPU binds no empty buffers.
-    pub(crate) fn buffer(&self, what: &'static str, usage: BufferUsages, bytes: &[u8]) -> Result<wgpu::Buffer, GpuError> {
+    pub(crate) fn buffer(
+        &self,
+        what: &'static str,
+        usage: BufferUsages,
+        bytes: &[u8],
+    ) -> Result<wgpu::Buffer, GpuError> {
         let size = (bytes.len() as u64).max(size_of::<View>() as u64);
         self.fits(what, "max_buffer_size", size, self.limits.max_buffer_size)?;
         self.guarded(UPLOADING, || {

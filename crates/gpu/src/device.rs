@@ -285,4 +285,33 @@ mod tests {
         assert_eq!(kinds[0], AdapterKind::Discrete);
         assert_eq!(kinds[3], AdapterKind::Software);
     }
+    #[test]
+    fn a_lost_device_is_an_error_and_no_panic() {
+        let device = Device::open(Some("llvmpipe")).unwrap();
+        let buffer = device.storage("before", &[0; 64]).unwrap();
+        device.wgpu.destroy();
+        let mut out = [0; 64];
+        let error = device.read_buffer("reading", &buffer, &mut out).unwrap_err();
+        assert!(matches!(error, GpuError::Lost { .. }), "{error}");
+        let error = device.storage("after", &[0; 64]).unwrap_err();
+        assert!(matches!(error, GpuError::Lost { .. }), "{error}");
+    }
+
+    #[test]
+    fn a_refusal_is_returned_and_the_device_goes_on() {
+        let device = Device::open(Some("llvmpipe")).unwrap();
+        let too_large = wgpu::BufferDescriptor {
+            label: None,
+            size: u64::MAX / 2,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        };
+        let error = device.guarded("trying", || device.wgpu.create_buffer(&too_large)).unwrap_err();
+        assert!(matches!(error, GpuError::Refused { during: "trying", .. }), "{error}");
+        assert!(device.storage("after", &[0; 64]).is_ok());
+        // Outside any scope an error waits for the next call.
+        drop(device.wgpu.create_buffer(&too_large));
+        assert!(matches!(device.storage("later", &[0; 64]), Err(GpuError::Refused { .. })));
+        assert!(device.storage("at last", &[0; 64]).is_ok());
+    }
 }

@@ -254,12 +254,8 @@ impl<'a> Renderer<'a> {
         let float = |target: usize, x: usize| word(target, x).map(f32::from_bits);
         (0..viewport.width())
             .map(|x| {
-                let record = Record {
-                    identity: word(0, x),
-                    position: float(1, x),
-                    normal: float(2, x),
-                    shape: float(3, x),
-                };
+                let record =
+                    Record { identity: word(0, x), position: float(1, x), normal: float(2, x), shape: float(3, x) };
                 Ok(record.pixel(x, y, self.scene.faces.len())?.map(|fragment| make(x, fragment)))
             })
             .collect()
@@ -271,12 +267,7 @@ impl<'a> Renderer<'a> {
     ///
     /// # Errors
     /// As [`Self::gbuffer`].
-    pub fn shaded(
-        &mut self,
-        views: &[View],
-        shading: &ShadeUniform,
-        viewport: Viewport,
-    ) -> Result<Picture, GpuError> {
+    pub fn shaded(&mut self, views: &[View], shading: &ShadeUniform, viewport: Viewport) -> Result<Picture, GpuError> {
         self.buffers.write_shading(self.device, shading)?;
         let targets = self.draw(views, viewport, Output::Shaded)?;
         let mut rows = Rows::new(self.device, targets.colours.iter().collect(), viewport)?;

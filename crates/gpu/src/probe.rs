@@ -125,3 +125,23 @@ fn dispatch(
     device.read_buffer(PROBING, &answered, bytemuck::cast_slice_mut(&mut words))?;
     Ok(bytemuck::cast_slice(&words).to_vec())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::TypeInner;
+
+    #[test]
+    fn queries_and_answers_have_the_layout_of_the_shader() {
+        let variant = Variant { program: Program::General, curvature: true, interpolated_normal: false };
+        let module = naga::front::wgsl::parse_str(&(wgsl::source(variant) + PROBE)).unwrap();
+        let members = |name: &str| {
+            let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap().1;
+            let TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
+            (*span as usize, members.iter().map(|m| m.offset as usize).collect::<Vec<_>>())
+        };
+        assert_eq!(members("ProbeQuery"), (size_of::<Query>(), vec![0, 8, 12]));
+        assert_eq!(members("ProbeAnswer"), (size_of::<Record>(), vec![0, 16, 32, 48]));
+        assert!(module.entry_points.iter().any(|e| e.name == "probe" && e.workgroup_size == [WORKGROUP as u32, 1, 1]));
+    }
+}

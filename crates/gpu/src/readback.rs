@@ -94,10 +94,8 @@ impl<'a> Rows<'a> {
         viewport: Viewport,
     ) -> Result<Self, GpuError> {
         let texel = |t: &wgpu::Texture| u64::from(t.format().block_copy_size(None).expect("a colour format"));
-        let strides: Vec<u64> = textures
-            .iter()
-            .map(|t| (viewport.width() as u64 * texel(t)).next_multiple_of(ROW_ALIGNMENT))
-            .collect();
+        let strides: Vec<u64> =
+            textures.iter().map(|t| (viewport.width() as u64 * texel(t)).next_multiple_of(ROW_ALIGNMENT)).collect();
         let total: u64 = strides.iter().sum();
         let height = (BAND_BYTES / total).clamp(1, viewport.height() as u64);
         device.fits("a row of the picture", "max_buffer_size", total, device.limits.max_buffer_size)?;

@@ -89,13 +89,47 @@ impl DerivativeBounds {
     }
 }
 
+/// A rational patch is bounded in this many parts along each parameter: the quotient rule multiplies bounds, and what
+/// that gives away shrinks with the part. On the octant patches of a sphere 1 part gives M_uu 9.7 times too large,
+/// 4 parts 1.9 times, 8 parts 1.4 times.
+const RATIONAL_PARTS: usize = 4;
+
 impl BezierPatch {
     /// Bounds of all first and second derivatives over the patch.
     ///
+    /// A polynomial patch is bounded by differences of its control points, exactly where they are extreme at corners;
+    /// a rational one with varying weights in 4 × 4 parts.
+    pub fn derivative_bounds(&self) -> DerivativeBounds {
+        if self.control.iter().all(|c| c.w == self.control[0].w) {
+            return self.bounds_of_whole();
+        }
+        let cuts = |[start, end]: [f64; 2]| {
+            (1..RATIONAL_PARTS).map(move |i| start + (end - start) * i as f64 / RATIONAL_PARTS as f64)
+        };
+        let mut bounds = DerivativeBounds::default();
+        let mut rest = self.clone();
+        let mut columns = vec![];
+        for u in cuts(self.domain[0]) {
+            let [low, high] = rest.split_u(u);
+            columns.push(low);
+            rest = high;
+        }
+        columns.push(rest);
+        for mut column in columns {
+            for v in cuts(self.domain[1]) {
+                let [low, high] = column.split_v(v);
+                bounds = bounds.max(low.bounds_of_whole());
+                column = high;
+            }
+            bounds = bounds.max(column.bounds_of_whole());
+        }
+        bounds
+    }
+
     /// Differences of control points bound the derivatives of a Bézier patch. For a rational one the quotient rule
     /// is applied to bounds: with A the numerator about the centre of the patch's box (so that |S| ≤ r there),
     /// |S_u| ≤ (|A_u| + |w_u| r) / w_min and so on for the second order (Piegl & Tiller, Eq. 4.20).
-    pub fn derivative_bounds(&self) -> DerivativeBounds {
+    fn bounds_of_whole(&self) -> DerivativeBounds {
         let [p, q] = self.degree;
         let [[u0, u1], [v0, v1]] = self.domain;
         let euclidean = || self.control.iter().map(|c| c.truncate() / c.w);

@@ -29,7 +29,7 @@ pub enum NurbsError {
         count: usize,
     },
     /// A knot is NaN or infinite.
-    #[error("knot {index} is {value}, not a finite number")]
+    #[error("knot {index} is {value:?}, not a finite number")]
     KnotNotFinite {
         /// Index of the knot.
         index: usize,
@@ -37,7 +37,7 @@ pub enum NurbsError {
         value: f64,
     },
     /// A knot is smaller than the one before it.
-    #[error("knot {index} is {next}, below the knot before it, {previous}")]
+    #[error("knot {index} is {next:?}, below the knot before it, {previous:?}")]
     NotSorted {
         /// Index of the second knot.
         index: usize,
@@ -47,7 +47,7 @@ pub enum NurbsError {
         next: f64,
     },
     /// A knot is repeated more often than continuity allows: p inside the domain, p + 1 at its ends.
-    #[error("knot {value} at index {index} has multiplicity {multiplicity}, above {greatest}")]
+    #[error("knot {value:?} at index {index} has multiplicity {multiplicity}, above {greatest}")]
     Multiplicity {
         /// Index of the first of the equal knots.
         index: usize,
@@ -59,7 +59,7 @@ pub enum NurbsError {
         greatest: usize,
     },
     /// The domain \[u_p, u_n\] is empty, or its length overflows.
-    #[error("the knot domain from {start} to {end} is empty or overflows")]
+    #[error("the knot domain from {start:?} to {end:?} is empty or overflows")]
     EmptyDomain {
         /// u_p.
         start: f64,
@@ -67,7 +67,7 @@ pub enum NurbsError {
         end: f64,
     },
     /// A nonempty span is so short that 1 / length overflows.
-    #[error("the knot span from {start} to {end} is too short: its reciprocal overflows")]
+    #[error("the knot span from {start:?} to {end:?} is too short: its reciprocal overflows")]
     SpanUnderflow {
         /// First knot of the difference.
         start: f64,
@@ -83,7 +83,7 @@ pub enum NurbsError {
         found: usize,
     },
     /// A coordinate is NaN, infinite or so large that sums of squares overflow.
-    #[error("control point {index} has the coordinate {value}, not a finite number of usable size")]
+    #[error("control point {index} has the coordinate {value:?}, not a finite number of usable size")]
     PointNotFinite {
         /// Index of the point.
         index: usize,
@@ -99,7 +99,7 @@ pub enum NurbsError {
         found: usize,
     },
     /// A weight is zero, negative, NaN, infinite, or too far from the largest.
-    #[error("weight {index} is {value}: weights are positive, finite and within a ratio of 1e12")]
+    #[error("weight {index} is {value:?}: weights are positive, finite and within a ratio of 1e12")]
     Weight {
         /// Index of the weight.
         index: usize,
@@ -107,7 +107,7 @@ pub enum NurbsError {
         value: f64,
     },
     /// A parameter at which to insert or split is not inside the open domain.
-    #[error("parameter {value} is not inside the open domain from {start} to {end}")]
+    #[error("parameter {value:?} is not inside the open domain from {start:?} to {end:?}")]
     OutsideDomain {
         /// The parameter.
         value: f64,

@@ -8,7 +8,7 @@ use nurbs::{KnotVector, Surface};
 use pipeline::fragment::fragment_row;
 use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme};
 use raster::{Drawing, Options, Rasterizer};
-use scene::{Camera, Model, Viewport};
+use scene::{Camera, Model, Projection, Viewport};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -62,9 +62,21 @@ fn main() {
     }
     let patches = (0..10_000).map(|i| sheet(4, 4, DVec2::new((i / 100) as f64, (i % 100) as f64) * 0.01, 0.01));
     let many = Model::of_surfaces("10,000 patches", patches.collect()).expect("faces");
-    for (model, width, height) in [(&model, 512, 512), (&many, 512, 512), (&many, 1920, 1080)] {
+    // From above, so near that the model fills the picture.
+    let above = |height| {
+        let middle = DVec3::new(0.5, 0.5, 0.0);
+        Camera::look_at(middle + DVec3::Z, middle, DVec3::Y, Projection::Orthographic { height }).expect("a camera")
+    };
+    let cases = [
+        (&model, 512, 512, None),
+        (&model, 512, 512, Some(above(0.9))),
+        (&many, 512, 512, None),
+        (&many, 1920, 1080, Some(above(0.5))),
+    ];
+    for (model, width, height, camera) in cases {
         let viewport = Viewport::new(width, height).expect("legal");
-        let camera = Camera::framing(model, viewport);
+        let filled = if camera.is_some() { ", filled" } else { "" };
+        let camera = camera.unwrap_or_else(|| Camera::framing(model, viewport));
         let scene = PackedScene::new(model, Scheme::Specialised).expect("packs");
         let views = scene.views(model, &camera, viewport);
         let proxy = Proxy::tessellated(model, &scene, &camera, viewport, DEFAULT_CHORD_PX).expect("fits");
@@ -81,7 +93,7 @@ fn main() {
                 start.elapsed().as_secs_f64()
             });
             println!(
-                "{}, {width}×{height}, {} triangles, {} pixels seen, {threads} threads: {:.2} ms a frame, {:.0} ns a seen pixel",
+                "{}, {width}×{height}{filled}, {} triangles, {} pixels seen, {threads} threads: {:.2} ms a frame, {:.0} ns a seen pixel",
                 model.name(),
                 proxy.triangles(),
                 picture.covered(),
@@ -89,7 +101,7 @@ fn main() {
                 seconds * 1e9 / picture.covered() as f64
             );
         }
-        if let (Some(path), "sheet") = (std::env::args().nth(1), model.name()) {
+        if let (Some(path), ("sheet", "")) = (std::env::args().nth(1), (model.name(), filled)) {
             write(&picture, &path);
         }
     }

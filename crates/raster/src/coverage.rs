@@ -72,6 +72,7 @@ mod tests {
     use crate::setup::SUBPIXEL_ONE;
     use crate::vertex::Corner;
     use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
 
     /// Pixels a side of the pictures drawn here.
     const SIDE: i32 = 24;
@@ -115,8 +116,14 @@ mod tests {
         [coordinate(), coordinate()]
     }
 
+    /// The same inputs in every run.
+    fn seeded(cases: u32) -> ProptestConfig {
+        let rng_seed = RngSeed::Fixed(20_261_107);
+        ProptestConfig { failure_persistence: None, rng_seed, ..ProptestConfig::with_cases(cases) }
+    }
+
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(2000) })]
+        #![proptest_config(seeded(2000))]
 
         #[test]
         fn coverage_is_what_exact_rationals_say(corners in [point(), point(), point()]) {
@@ -132,7 +139,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+        #![proptest_config(seeded(300))]
 
         #[test]
         fn a_triangulated_grid_covers_every_centre_exactly_once(
@@ -193,11 +200,11 @@ mod tests {
             }).filter(|p| *p != [0, 0]).collect();
             rim.sort_by(|a, b| f64::from(a[1]).atan2(f64::from(a[0])).total_cmp(&f64::from(b[1]).atan2(f64::from(b[0]))));
             let cross = |a: [i32; 2], b: [i32; 2]| i64::from(a[0]) * i64::from(b[1]) - i64::from(a[1]) * i64::from(b[0]);
-            // A fan with no gap of half a turn or more.
-            let closed = rim.len() >= 3 && (0..rim.len()).all(|i| {
-                let (a, b) = (rim[i], rim[(i + 1) % rim.len()]);
-                cross(a, b) > 0 || (cross(a, b) == 0 && i64::from(a[0]) * i64::from(b[0]) + i64::from(a[1]) * i64::from(b[1]) > 0)
-            });
+            // No gap of half a turn or more, and not all on one ray.
+            let dot = |a: [i32; 2], b: [i32; 2]| i64::from(a[0]) * i64::from(b[0]) + i64::from(a[1]) * i64::from(b[1]);
+            let pairs = || (0..rim.len()).map(|i| (rim[i], rim[(i + 1) % rim.len()]));
+            let closed = pairs().any(|(a, b)| cross(a, b) > 0)
+                && pairs().all(|(a, b)| cross(a, b) > 0 || (cross(a, b) == 0 && dot(a, b) > 0));
             prop_assume!(closed);
             let mut count = vec![0; (SIDE * SIDE) as usize];
             for i in 0..rim.len() {

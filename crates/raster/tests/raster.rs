@@ -298,11 +298,11 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn a_sampler_at_pixel_centres_is_the_picture() {
-    // The eye above the middle of the sheet, so that triangles are clipped too.
+    // The eye above the middle of the sheet, so that triangles are clipped too; two equal sheets, so that depths tie.
     let cameras = [look([1.0, -0.5, 0.7], [0.5, 0.5, 0.0], WIDE), look([0.5, 0.5, 0.3], [0.6, 1.0, 0.1], WIDE)];
     for camera in cameras {
         for interpolated_normals in [false, true] {
-            let setting = Setting::new(vec![waves()], camera, [150, 90], None);
+            let setting = Setting::new(vec![waves(), waves()], camera, [150, 90], None);
             let raster = setting.raster(Options { curvature: true, interpolated_normals });
             let buffer = raster.render(setting.meta(), &|_| {});
             assert!(buffer.covered() > 1_500);

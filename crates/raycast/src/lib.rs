@@ -6,10 +6,12 @@
 //! un-extracted surface. Nothing is shared with the fragment programs that this crate judges.
 //!
 //! # Accuracy
-//! A reported hit lies within ε (size + distance) of the ray, with "size" the radius of the surface's control box,
-//! "distance" that from the ray's origin to the box's centre, and ε = 1.5 (growth + 12) · 2⁻⁵², growth at most 4 (p + q) + 18·… ulp;
-//! see [`Caster::residual_bound`] for the number. Where a parameter cannot be given more finely than its own ulp, that ulp's
-//! way on the surface comes on top. Typical residuals are a few ulp of the size.
+//! A point counts as on the ray within 3 ((4 (p + q) + 3 (p + q) L + 6) u (r + f) + 12 u e) of it (L ≤ 3 halvings of a
+//! patch in either direction, u = 2⁻⁵³, r the radius of the surface's control points about the centre of their box, f the ray's
+//! distance from that centre, e the eye's; `line.rs` and `pieces.rs` derive the terms). For a bicubic surface that is at most
+//! 156 u (r + f) + 36 u e; [`Caster::residual_bound`] gives the number. Where parameters are too coarse for that, 5 ulp of
+//! them come on top. Typical residuals are a few ulp of the size.
+//! Every point of the surface within a third of the bound is found; one beyond the bound is never reported.
 //!
 //! Trim loops are ignored: the untrimmed surface is cast.
 
@@ -273,19 +275,17 @@ impl<'m> Caster<'m> {
 
 /// What is told of a finding that did not become a hit.
 fn undecided(body: &Body, piece: &Piece, found: &Found, nearest: &Point) -> Undecided {
-    let (low, size, limit) = match *found {
-        Found::Root(x) => (x, [0.0; 2], Limit::Rounding),
-        Found::Tangent { low, size, .. } => (low, size, Limit::Rounding),
-        Found::Unresolved { low, size, deepest } => (low, size, if deepest { Limit::Depth } else { Limit::Boxes }),
+    let (low, high, limit) = match *found {
+        Found::Root(x) => (x, x, Limit::Rounding),
+        Found::Tangent { low, high, .. } => (low, high, Limit::Rounding),
+        Found::Unresolved { low, high, deepest } => (low, high, if deepest { Limit::Depth } else { Limit::Boxes }),
     };
-    let at = |x: [f64; 2]| {
-        let [[u0, u1], [v0, v1]] = piece.domain;
-        DVec2::new(u0 + (u1 - u0) * x[0], v0 + (v1 - v0) * x[1])
-    };
+    let [[u0, u1], [v0, v1]] = piece.domain;
+    let at = |x: DVec2| DVec2::new(u0 + (u1 - u0) * x.x, v0 + (v1 - v0) * x.y);
     Undecided {
         face: FaceId(body.faces[0]),
         uv_low: at(low),
-        uv_high: at([low[0] + size[0], low[1] + size[1]]),
+        uv_high: at(high),
         distance: nearest.residual * body.scale,
         t: nearest.t,
         limit,

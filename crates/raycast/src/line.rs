@@ -15,6 +15,9 @@ use scene::Ray;
 /// `roots::INDISTINCT` (2) of them in one direction: 3 cover either with what the surface's evaluation adds.
 const ON_RAY: f64 = 3.0;
 
+/// Residuals below this share of what counts as on the ray are within the noise of evaluation: no step betters them.
+const QUIET: f64 = 1.0 / 64.0;
+
 /// Most Newton steps on the surface. It starts within 1e-12 of a piece, so two are usual.
 const POLISH_MAX_STEPS: u32 = 8;
 
@@ -79,18 +82,19 @@ impl Line {
         let foot = local - ray.direction * local.dot(ray.direction);
         let mut line =
             Self { normals, direction: ray.direction, foot, origin, distance: local.length(), tolerance: 0.0 };
-        line.tolerance = ON_RAY * line.error(body.growth, body.radius, 1.0);
+        line.tolerance = ON_RAY * line.error(body.growth, body.radius);
         line
     }
 
-    /// Bound of the error of f = n · (w x) − w (n · foot), for control points up to `reach` and weights up to `weight`
-    /// with relative errors `growth`.
+    /// Bound of the error of f = n · (w x) − w (n · foot), over w, for control points in a ball of `radius` with
+    /// relative errors `growth`.
     ///
     /// Three products, their sums and the difference are 6 roundings; the foot is off across the ray by at most 6
-    /// roundings of the eye's distance (subtraction, division by a power of two, dot product, step back).
+    /// roundings of the eye's distance (subtraction, division by a power of two, dot product, step back). 6 more are
+    /// for the ray itself: an origin and a direction computed so as to aim at a point miss it by as much.
     #[inline(always)]
-    fn error(&self, growth: f64, reach: f64, weight: f64) -> f64 {
-        (growth + 6.0 * UNIT) * (reach + weight * self.foot.length()) + 6.0 * UNIT * weight * self.distance
+    fn error(&self, growth: f64, radius: f64) -> f64 {
+        (growth + 6.0 * UNIT) * (radius + self.foot.length()) + 12.0 * UNIT * self.distance
     }
 
     /// Runs the root finder on a piece.
@@ -99,55 +103,51 @@ impl Line {
         let foot = self.foot - body.surface.origin();
         let [n1, n2] = self.normals;
         let (s1, s2) = (n1.dot(foot), n2.dot(foot));
-        let error = self.error(piece.growth, piece.reach, piece.weight);
+        let error = piece.weight * self.error(piece.growth, body.radius);
         search.search(body.surface.degree(), error, |k| {
             let [x, y, z, w] = control[k];
-            [n1.x * x + n1.y * y + n1.z * z - s1 * w, n2.x * x + n2.y * y + n2.z * z - s2 * w]
+            DVec2::new(n1.x * x + n1.y * y + n1.z * z - s1 * w, n2.x * x + n2.y * y + n2.z * z - s2 * w)
         });
     }
 
     /// What the surface is at `x` (0 to 1 over the piece): the point, its distances to the planes, their derivatives.
     #[inline]
-    fn look(&self, body: &Body, piece: &Piece, x: [f64; 2]) -> Look {
+    fn look(&self, body: &Body, piece: &Piece, x: DVec2) -> Look {
         let [[u0, u1], [v0, v1]] = piece.domain;
         // From the nearer end, so that 0 and 1 are the ends themselves.
         let lerp = |a: f64, b: f64, t: f64| if t < 0.5 { a + (b - a) * t } else { b - (b - a) * (1.0 - t) };
-        let uv = DVec2::new(lerp(u0, u1, x[0]), lerp(v0, v1, x[1]));
-        let [k, l] = piece.span.map(|k| k as usize);
-        let d = body.surface.first_derivatives_on(k, l, uv.x, uv.y);
+        let uv = DVec2::new(lerp(u0, u1, x.x), lerp(v0, v1, x.y));
+        let d = body.surface.first_derivatives_on(piece.span[0] as usize, piece.span[1] as usize, uv.x, uv.y);
         let [n1, n2] = self.normals;
-        let across = d.s - self.foot;
-        let (su, sv) = (d.su * (u1 - u0), d.sv * (v1 - v0));
-        let f = [n1.dot(across), n2.dot(across)];
-        let f_u = [n1.dot(su), n2.dot(su)];
-        let f_v = [n1.dot(sv), n2.dot(sv)];
-        let residual = (f[0] * f[0] + f[1] * f[1]).sqrt();
-        // Half an ulp of either parameter, as the piece sees it, moves the point by this much across the ray.
-        let grain = |a: f64, b: f64, f: [f64; 2]| UNIT * (a.abs().max(b.abs()) / (b - a)) * (f[0].abs() + f[1].abs());
-        let allowed = self.tolerance + 2.0 * (grain(u0, u1, f_u) + grain(v0, v1, f_v));
+        let planes = |v: DVec3| DVec2::new(n1.dot(v), n2.dot(v));
+        let f = planes(d.s - self.foot);
+        let (f_u, f_v) = (planes(d.su) * (u1 - u0), planes(d.sv) * (v1 - v0));
+        let residual = f.length();
+        // What rounding of the parameters (half an ulp, and twice that of the way from the piece's nearer end) moves
+        // the point by, across the ray.
+        let grain = |a: f64, b: f64, at: f64, f: DVec2| {
+            UNIT * (at.abs() + 2.0 * (at - a).min(b - at)) / (b - a) * (f.x.abs() + f.y.abs())
+        };
+        let allowed = self.tolerance + 2.0 * (grain(u0, u1, uv.x, f_u) + grain(v0, v1, uv.y, f_v));
         let t = (d.s * body.scale - self.origin).dot(self.direction);
         Look { point: Point { uv, t, residual, on_ray: residual <= allowed, leaves: None }, f, f_u, f_v, allowed }
     }
 
     /// Finishes a root by Newton's method on the surface; parameters outside the piece are clamped to it.
     ///
-    /// `None` where the point inside the piece is not on the ray: the root lies in the neighbour, or beyond the border.
-    pub fn polish(&self, body: &Body, piece: &Piece, x: [f64; 2]) -> Option<Point> {
-        let clamped = |x: [f64; 2]| x.map(|x| x.clamp(0.0, 1.0));
-        let mut x = clamped(x);
+    /// `None` where the piece's nearest point is on its border and not on the ray: the root lies in the neighbour, or
+    /// beyond the surface. `Err` where a root inside cannot be confirmed.
+    fn polish(&self, body: &Body, piece: &Piece, x: DVec2) -> Option<Result<Point, Point>> {
+        let mut x = x.clamp(DVec2::ZERO, DVec2::ONE);
         let mut look = self.look(body, piece, x);
         for _ in 0..POLISH_MAX_STEPS {
-            // Well below what counts as on the ray: within the noise of evaluation.
             if look.point.residual <= QUIET * look.allowed {
                 break;
             }
-            let det = look.f_u[0] * look.f_v[1] - look.f_u[1] * look.f_v[0];
-            let next = clamped([
-                x[0] - (look.f[0] * look.f_v[1] - look.f[1] * look.f_v[0]) / det,
-                x[1] - (look.f[1] * look.f_u[0] - look.f[0] * look.f_u[1]) / det,
-            ]);
+            let step = DVec2::new(look.f.perp_dot(look.f_v), look.f_u.perp_dot(look.f)) / look.f_u.perp_dot(look.f_v);
+            let next = (x - step).clamp(DVec2::ZERO, DVec2::ONE);
             // Not a number (a singular Jacobian), or no step that parameters can show.
-            if !(next[0] - x[0]).is_finite() || !(next[1] - x[1]).is_finite() || next == x {
+            if !next.is_finite() || next == x {
                 break;
             }
             let better = self.look(body, piece, next);
@@ -157,19 +157,19 @@ impl Line {
             (x, look) = (next, better);
         }
         if look.point.on_ray {
-            return Some(look.point);
+            return Some(Ok(look.point));
         }
         // A root beyond the border: clamped Newton steps do not slide along it to the point nearest to the ray, which
         // at a grazing angle lies elsewhere and may be on the ray.
-        if x.into_iter().all(|x| 0.0 < x && x < 1.0) {
-            return None;
+        if x.cmpgt(DVec2::ZERO).all() && x.cmplt(DVec2::ONE).all() {
+            return Some(Err(look.point));
         }
-        let nearest = self.minimise(body, piece, [0.0; 2], [1.0; 2], x);
-        nearest.on_ray.then_some(nearest)
+        let nearest = self.minimise(body, piece, DVec2::ZERO, DVec2::ONE, x);
+        nearest.on_ray.then_some(Ok(nearest))
     }
 
     /// The point of a box nearest to the ray from `start` downhill: damped Gauss–Newton (Levenberg 1944) with clamping.
-    fn minimise(&self, body: &Body, piece: &Piece, low: [f64; 2], high: [f64; 2], start: [f64; 2]) -> Point {
+    fn minimise(&self, body: &Body, piece: &Piece, low: DVec2, high: DVec2, start: DVec2) -> Point {
         let mut x = start;
         let mut look = self.look(body, piece, x);
         let mut damping = DAMPING;
@@ -178,17 +178,23 @@ impl Line {
                 break;
             }
             let (f, a, b) = (look.f, look.f_u, look.f_v);
-            let (uu, vv) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
-            let uv = a[0] * b[0] + a[1] * b[1];
-            let (ru, rv) = (a[0] * f[0] + a[1] * f[1], b[0] * f[0] + b[1] * f[1]);
-            let extra = damping * (uu + vv);
-            let det = (uu + extra) * (vv + extra) - uv * uv;
-            let step = [(ru * (vv + extra) - rv * uv) / det, (rv * (uu + extra) - ru * uv) / det];
-            let next = [0, 1].map(|k| (x[k] - step[k]).clamp(low[k], high[k]));
-            if !(next[0].is_finite() && next[1].is_finite()) {
+            let extra = damping * (a.length_squared() + b.length_squared());
+            let (uu, uv, vv) = (a.length_squared() + extra, a.dot(b), b.length_squared() + extra);
+            let (ru, rv) = (a.dot(f), b.dot(f));
+            let mut step = DVec2::new(ru * vv - rv * uv, rv * uu - ru * uv) / (uu * vv - uv * uv);
+            // A parameter that would leave the box stays, and the other one alone is solved for.
+            let outward = (x.cmple(low) & step.cmpgt(DVec2::ZERO)) | (x.cmpge(high) & step.cmplt(DVec2::ZERO));
+            match (outward.test(0), outward.test(1)) {
+                (true, false) => step = DVec2::new(0.0, rv / vv),
+                (false, true) => step = DVec2::new(ru / uu, 0.0),
+                _ => {}
+            }
+            let next = x - step;
+            if !next.is_finite() {
                 damping *= DAMPING_STEP;
                 continue;
             }
+            let next = next.clamp(low, high);
             if next == x {
                 break;
             }
@@ -208,17 +214,16 @@ impl Line {
     ///
     /// Tried are the box's middle and, for a ray that runs along the surface, the ends of its way through the box:
     /// zeros along the box's edges of the one distance that still varies.
-    pub fn touch(
+    fn touch(
         &self,
         body: &Body,
         piece: &Piece,
-        [low, size]: [[f64; 2]; 2],
-        along: Option<[f64; 2]>,
+        [low, high]: [DVec2; 2],
+        along: Option<DVec2>,
         near: f64,
     ) -> Result<Point, Point> {
-        let high = [0, 1].map(|k| (low[k] + size[k]).min(1.0));
-        let middle = [0, 1].map(|k| low[k] + 0.5 * (high[k] - low[k]));
-        let first = self.minimise(body, piece, low, high, middle);
+        let high = high.min(DVec2::ONE);
+        let first = self.minimise(body, piece, low, high, 0.5 * (low + high));
         let seen = |point: &Point| point.on_ray && point.t >= near;
         let mut leaves = if first.on_ray { first.t } else { f64::NEG_INFINITY };
         let mut best = if seen(&first) { Ok(first) } else { Err(first) };
@@ -234,10 +239,9 @@ impl Line {
             };
         };
         if let Some(along) = along {
-            let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
+            let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
             for k in 0..4 {
-                let (start, end) = (corners[k], corners[(k + 1) % 4]);
-                if let Some(x) = self.zero_between(body, piece, start, end, along) {
+                if let Some(x) = self.zero_between(body, piece, [corners[k], corners[(k + 1) % 4]], along) {
                     consider(self.look(body, piece, x).point);
                 }
             }
@@ -245,19 +249,12 @@ impl Line {
         best.map(|point| Point { leaves: Some(leaves), ..point })
     }
 
-    /// A zero of one combination of the distances between two points of the piece, by the Illinois method.
-    fn zero_between(
-        &self,
-        body: &Body,
-        piece: &Piece,
-        start: [f64; 2],
-        end: [f64; 2],
-        along: [f64; 2],
-    ) -> Option<[f64; 2]> {
-        let at = |s: f64| [0, 1].map(|k| start[k] + (end[k] - start[k]) * s);
+    /// A zero of one combination of the distances between two points of the piece, by the Illinois method (Dowell &
+    /// Jarratt 1971); after [`EDGE_MAX_STEPS`] the last estimate, whose own distance then decides.
+    fn zero_between(&self, body: &Body, piece: &Piece, [start, end]: [DVec2; 2], along: DVec2) -> Option<DVec2> {
         let value = |s: f64| {
-            let look = self.look(body, piece, at(s));
-            (along[0] * look.f[0] + along[1] * look.f[1], QUIET * look.allowed)
+            let look = self.look(body, piece, start.lerp(end, s));
+            (along.dot(look.f), QUIET * look.allowed)
         };
         let (mut a, mut b) = (0.0, 1.0);
         let ((mut fa, quiet), (mut fb, _)) = (value(a), value(b));
@@ -274,7 +271,7 @@ impl Line {
             let s = b - fb * (b - a) / (fb - fa);
             let (f, quiet) = value(s);
             if f.abs() <= quiet {
-                return Some(at(s));
+                return Some(start.lerp(end, s));
             }
             if (f > 0.0) == (fb > 0.0) {
                 fa *= 0.5;
@@ -283,16 +280,16 @@ impl Line {
             }
             (b, fb) = (s, f);
         }
-        Some(at(b))
+        Some(start.lerp(end, b))
     }
 
     /// Resolves a finding of the root finder: a point on the ray, or the nearest that is not.
     #[inline]
     pub fn resolve(&self, body: &Body, piece: &Piece, found: &Found, near: f64) -> Option<Result<Point, Point>> {
         match *found {
-            Found::Root(x) => self.polish(body, piece, x).map(Ok),
-            Found::Tangent { low, size, along } => Some(self.touch(body, piece, [low, size], Some(along), near)),
-            Found::Unresolved { low, size, .. } => Some(self.touch(body, piece, [low, size], None, near)),
+            Found::Root(x) => self.polish(body, piece, x),
+            Found::Tangent { low, high, along } => Some(self.touch(body, piece, [low, high], Some(along), near)),
+            Found::Unresolved { low, high, .. } => Some(self.touch(body, piece, [low, high], None, near)),
         }
     }
 
@@ -302,9 +299,10 @@ impl Line {
         [0.5, 0.2861, 0.8093].into_iter().all(|s| {
             let uv = a + (b - a) * s;
             let d = body.surface.first_derivatives(uv.x, uv.y);
+            let [n1, n2] = self.normals;
             let across = d.s - self.foot;
             let grain = (d.su.length() * uv.x.abs() + d.sv.length() * uv.y.abs()) * f64::EPSILON;
-            self.normals.map(|n| n.dot(across)).into_iter().map(|f| f * f).sum::<f64>().sqrt() <= self.tolerance + grain
+            DVec2::new(n1.dot(across), n2.dot(across)).length() <= self.tolerance + grain
         })
     }
 }
@@ -313,14 +311,11 @@ impl Line {
 struct Look {
     point: Point,
     /// Distances to the two planes.
-    f: [f64; 2],
+    f: DVec2,
     /// Their derivatives across the piece in u.
-    f_u: [f64; 2],
+    f_u: DVec2,
     /// And in v.
-    f_v: [f64; 2],
+    f_v: DVec2,
     /// The residual up to which the point counts as on the ray.
     allowed: f64,
 }
-
-/// Residuals below this share of what counts as on the ray are not worth another step.
-const QUIET: f64 = 1.0 / 64.0;

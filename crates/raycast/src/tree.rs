@@ -95,4 +95,95 @@ impl Tree {
 }
 
 #[cfg(test)]
-mod tests {}
+mod tests {
+    use super::*;
+    use crate::pieces::Pieces;
+    use nurbs::{KnotVector, Surface};
+    use scene::Model;
+
+    /// Numbers in [-1, 1), the same on every machine (Steele & Vigna 2021, splitmix64).
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// Patches scattered about a centre: every third a rectangle across an axis, whose box has no thickness.
+    fn patches(state: &mut u64, center: DVec3) -> Model {
+        let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+        let surfaces = (0..300)
+            .map(|k| {
+                let mut any = || DVec3::new(random(state), random(state), random(state));
+                let at = center + any();
+                let corners = if k % 3 == 0 {
+                    let [x, y] = [DVec3::X, DVec3::Y].map(|axis| axis * 0.1);
+                    [at, at + y, at + x, at + x + y]
+                } else {
+                    [at, at + any() * 0.1, at + any() * 0.1, at + any() * 0.1]
+                };
+                Surface::new(knots.clone(), knots.clone(), corners.to_vec(), None).unwrap()
+            })
+            .collect();
+        Model::of_surfaces("patches", surfaces).unwrap()
+    }
+
+    #[test]
+    fn no_piece_with_a_point_on_the_ray_is_culled() {
+        let mut state = 5;
+        for center in [DVec3::ZERO, DVec3::new(1e9, -1e8, 3.0)] {
+            let model = patches(&mut state, center);
+            let pieces = Pieces::new(&model);
+            let tree = Tree::new(&pieces);
+            for case in 0..30_000 {
+                let index = case % pieces.pieces.len();
+                let [[u0, u1], [v0, v1]] = pieces.pieces[index].domain;
+                let surface = &model.surfaces()[pieces.pieces[index].body as usize];
+                let (s, t) = (0.5 + 0.5 * random(&mut state), 0.5 + 0.5 * random(&mut state));
+                let target = surface.point(u0 + (u1 - u0) * s, v0 + (v1 - v0) * t);
+                // Along an axis, nearly along one, or anywhere; from inside the scene to very far.
+                let mut direction = DVec3::new(random(&mut state), random(&mut state), random(&mut state));
+                let small = [1.0, 1e-7, 1e-12, 0.0][case % 4];
+                direction.x *= small;
+                direction.z *= [1.0, small][case / 4 % 2];
+                let direction = direction.normalize();
+                let distance = [0.5, 5.0, 1e4][case / 8 % 3];
+                let ray = Ray { origin: target - direction * distance, direction, near: 0.0 };
+                let mut seen = false;
+                tree.visit(&ray, |visited| {
+                    seen |= visited == index;
+                    f64::INFINITY
+                });
+                assert!(seen, "case {case}: piece {index} at {target:?} along {direction:?}");
+                // A hit just there must not cull the piece that has it.
+                let mut seen = false;
+                tree.visit(&ray, |visited| {
+                    seen |= visited == index;
+                    distance
+                });
+                assert!(seen, "case {case}, cut off at the hit");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_beside_or_past_the_scene_visit_nothing() {
+        let mut state = 6;
+        let model = patches(&mut state, DVec3::ZERO);
+        let tree = Tree::new(&Pieces::new(&model));
+        let visited = |origin: DVec3, near: f64| {
+            let mut count = 0;
+            tree.visit(&Ray { origin, direction: DVec3::X, near }, |_| {
+                count += 1;
+                f64::INFINITY
+            });
+            count
+        };
+        assert!(visited(DVec3::new(-5.0, 0.0, 0.0), 0.0) > 0);
+        assert_eq!(visited(DVec3::new(-5.0, 3.0, 0.0), 0.0), 0);
+        assert_eq!(visited(DVec3::new(5.0, 0.0, 0.0), 0.0), 0);
+        assert_eq!(visited(DVec3::new(-5.0, 0.0, 0.0), 10.0), 0);
+        assert_eq!(visited(DVec3::new(-5.0, 0.0, 0.0), f64::NAN), 0);
+    }
+}

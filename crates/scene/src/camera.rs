@@ -199,19 +199,53 @@ impl Camera {
         }
     }
 
+    /// Depth of a world point along the view direction, model units.
+    pub fn depth(&self, p_world: DVec3) -> f64 {
+        (p_world - self.eye).dot(self.forward)
+    }
+
     /// Picture position of a world point, in pixels, and its depth along the view direction.
     ///
     /// `None` where the point is not in front of the near plane.
     pub fn project(&self, viewport: Viewport, p_world: DVec3) -> Option<(DVec2, f64)> {
+        let depth = self.depth(p_world);
+        let picture = self.picture(viewport, p_world)?;
+        (depth >= self.near).then_some((picture, depth))
+    }
+
+    /// Picture position of a world point, in pixels, whatever the near plane.
+    ///
+    /// `None` where a perspective camera has it beside or behind it.
+    pub fn picture(&self, viewport: Viewport, p_world: DVec3) -> Option<DVec2> {
         let q = p_world - self.eye;
         let depth = q.dot(self.forward);
-        if depth < self.near || (depth <= 0.0 && matches!(self.projection, Projection::Perspective { .. })) {
+        if depth <= 0.0 && matches!(self.projection, Projection::Perspective { .. }) {
             return None;
         }
         let scale = self.pixels_per_unit(viewport, depth);
         let x = 0.5 * viewport.width() as f64 + q.dot(self.right) * scale;
         let y = 0.5 * viewport.height() as f64 - q.dot(self.above) * scale;
-        Some((DVec2::new(x, y), depth))
+        Some(DVec2::new(x, y))
+    }
+
+    /// The most pixels by which the pictures of two points can differ that are `radius` model units apart, one of
+    /// them at `p_world`.
+    ///
+    /// Perspective: the derivative of the projection has the norm f / (z cos θ), θ from the view's axis; z and θ are
+    /// taken at their worst within the radius. Infinite where the radius reaches the eye's plane.
+    pub fn pixels_within(&self, viewport: Viewport, p_world: DVec3, radius: f64) -> f64 {
+        match self.projection {
+            Projection::Orthographic { .. } => radius * self.pixels_per_unit(viewport, 1.0),
+            Projection::Perspective { .. } => {
+                let q = p_world - self.eye;
+                let nearest = self.depth(p_world) - radius;
+                if nearest <= 0.0 {
+                    return f64::INFINITY;
+                }
+                let across = (q - self.forward * q.dot(self.forward)).length() + radius;
+                radius * self.pixels_per_unit(viewport, nearest) * (1.0 + (across / nearest).powi(2)).sqrt()
+            }
+        }
     }
 
     /// Pixels that a model unit across the view covers at `depth` (positive, for a perspective camera).

@@ -1,1 +1,94 @@
+//! What does not fit or does not compile comes back as an error that names it.
 
+use crate::models::assorted;
+use crate::software;
+use gpu::{Device, GpuError, Overrides, Renderer, RendererOptions, probe};
+use pipeline::wgsl::{self, Variant};
+use pipeline::{PackedScene, Program, Proxy, Scheme};
+use scene::{Camera, Viewport};
+
+#[test]
+fn an_adapter_that_is_not_there_is_answered_with_those_that_are() {
+    let error = Device::open(Some("no such adapter")).unwrap_err();
+    let GpuError::NoSuchAdapter { found, .. } = &error else { panic!("{error}") };
+    assert!(!found.is_empty());
+    assert_eq!(found.len(), gpu::adapters().len());
+}
+
+#[test]
+fn a_scene_above_the_adapters_limit_is_refused_with_the_limit() {
+    let device = software();
+    let model = assorted(1);
+    let mut scene = PackedScene::new(&model, Scheme::General).unwrap();
+    let proxy = Proxy::uniform(&model, &scene, 1).unwrap();
+    scene.points = vec![[0.0; 4]; 1 << 24];
+    let Err(error) = Renderer::new(&device, &scene, &proxy, RendererOptions::default()) else { panic!("it fits") };
+    let GpuError::Limit { what, limit, needed, available } = error else { panic!("{error}") };
+    assert_eq!((what, limit, needed), ("control points", "max_storage_buffer_binding_size", 1 << 28));
+    assert!(available < needed);
+}
+
+fn renderer_with(from: &str, to: &str) -> GpuError {
+    let device = software();
+    let model = assorted(1);
+    let scene = PackedScene::new(&model, Scheme::Specialised).unwrap();
+    let proxy = Proxy::uniform(&model, &scene, 1).unwrap();
+    let source = |variant: Variant| wgsl::source(variant).replace(from, to);
+    let overrides = Overrides { source: Some(&source), ..Overrides::default() };
+    let options = RendererOptions { overrides, ..RendererOptions::default() };
+    let viewport = Viewport::new(8, 8).unwrap();
+    let views = scene.views(&model, &Camera::framing(&model, viewport), viewport);
+    match Renderer::new(&device, &scene, &proxy, options) {
+        Err(error) => error,
+        Ok(mut renderer) => renderer.fragments(&views, viewport).expect_err("the source is at fault"),
+    }
+}
+
+#[test]
+fn an_illegal_shader_is_refused_with_the_compilers_message() {
+    let error = renderer_with("fn is_regular(", "fn is_regular(!");
+    let GpuError::Shader { entry: "source", message, .. } = &error else { panic!("{error}") };
+    assert!(message.contains("fn is_regular(!"), "{message}");
+}
+
+#[test]
+fn a_shader_that_does_not_type_is_refused() {
+    let error = renderer_with("out.status = REGULAR;", "out.status = 1.0;");
+    assert!(matches!(&error, GpuError::Shader { entry: "source", .. }), "{error}");
+}
+
+#[test]
+fn a_shader_without_its_entry_point_is_refused_when_drawn_with() {
+    let error = renderer_with("fn fragment_gbuffer(", "fn fragment_other(");
+    assert!(matches!(&error, GpuError::Shader { entry: "fragment_gbuffer", .. }), "{error}");
+}
+
+#[test]
+fn a_face_that_is_not_there_is_refused_with_its_pixel() {
+    let error = renderer_with("in.face + 1u", "in.face + 1000u");
+    assert!(matches!(&error, GpuError::Malformed { face: 999.., count: 20, .. }), "{error}");
+}
+
+#[test]
+fn views_of_another_scene_are_refused() {
+    let device = software();
+    let model = assorted(1);
+    let scene = PackedScene::new(&model, Scheme::Specialised).unwrap();
+    let proxy = Proxy::uniform(&model, &scene, 1).unwrap();
+    let mut renderer = Renderer::new(&device, &scene, &proxy, RendererOptions::default()).unwrap();
+    let viewport = Viewport::new(8, 8).unwrap();
+    let mut views = scene.views(&model, &Camera::framing(&model, viewport), viewport);
+    views.pop();
+    assert_eq!(renderer.fragments(&views, viewport), Err(GpuError::ViewCount { expected: 20, found: 19 }));
+}
+
+#[test]
+fn a_probe_of_another_programs_face_is_refused() {
+    let device = software();
+    let scene = PackedScene::new(&assorted(1), Scheme::Specialised).unwrap();
+    for face in [0, 20] {
+        let error = probe(&device, &scene, Program::Degree(5), &[(face, [0.5; 2])]).unwrap_err();
+        assert!(matches!(error, GpuError::ProbeFace { index: 0, .. }), "{error}");
+    }
+    assert_eq!(probe(&device, &scene, Program::Degree(5), &[]), Ok(vec![]));
+}

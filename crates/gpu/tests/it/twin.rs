@@ -63,3 +63,13 @@ fn the_program_in_wgsl_gives_the_bits_of_the_program_in_rust() {
     }
     assert!(report.is_empty(), "{}", report.join("\n"));
 }
+
+#[test]
+fn a_flipped_bit_is_a_difference() {
+    let scene = PackedScene::new(&assorted(1), Scheme::General).unwrap();
+    let sound = fragment(&scene, 0, [0.25, 0.75], true);
+    let mut faulty = sound;
+    faulty.normal[2] = f32::from_bits(sound.normal[2].to_bits() ^ 1);
+    assert_eq!(differences(&sound, &sound), [""; 0]);
+    assert_eq!(differences(&sound, &faulty), ["normal"]);
+}

@@ -150,8 +150,14 @@ pub fn allowed(caster: &Caster, ray: &Ray, face: FaceId, uv: DVec2) -> f64 {
     let surface = caster.model().surface(face);
     let d = surface.first_derivatives(uv.x, uv.y);
     let coordinates = d.s.abs().max_element() + ray.origin.abs().max_element();
-    let grain = f64::EPSILON * (d.su.length() * uv.x.abs() + d.sv.length() * uv.y.abs());
-    caster.residual_bound(ray, face) + 4.0 * f64::EPSILON * coordinates + grain
+    // Beside a knot the other span's derivative counts as well, in tiny spans that of some ulp away.
+    let grain = [-8.0, 0.0, 8.0].into_iter().fold(0.0, |most: f64, k| {
+        let [[u0, u1], [v0, v1]] = surface.domain();
+        let (du, dv) = (uv.x.abs() * f64::EPSILON, uv.y.abs() * f64::EPSILON);
+        let d = surface.first_derivatives((uv.x + k * du).clamp(u0, u1), (uv.y + k * dv).clamp(v0, v1));
+        most.max(d.su.length() * du + d.sv.length() * dv)
+    });
+    caster.residual_bound(ray, face) + 4.0 * f64::EPSILON * coordinates + 5.0 * grain
 }
 
 /// Checks what holds for every list of hits: order, near, and that each lies on the ray and on its surface.
