@@ -2,10 +2,10 @@
 
 use crate::terminal;
 use anyhow::{Result, bail};
-use compare::{Deviation, Judge, PairReport, ToleranceModel, Verdict};
-use gbuffer::{GBuffer, Meta, Picture, ShadeInput, Shading, shade_tolerant};
+use compare::{Deviation, Judge, PairReport, Sampler, ToleranceModel, Verdict};
+use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, shade_tolerant};
 use pipeline::{PackedScene, Proxy, Scheme, View};
-use raster::{Drawing, Rasterizer};
+use raster::{Drawing, PointSampler, Rasterizer};
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Viewport};
 use serde::Serialize;
@@ -66,6 +66,31 @@ pub struct ShadedReport {
     pub first: Option<[usize; 2]>,
     /// The answer.
     pub verdict: Verdict,
+}
+
+/// The ray caster, asked at any position.
+struct Rays<'a> {
+    stage: &'a Stage<'a>,
+    caster: &'a Caster<'a>,
+}
+
+impl Sampler for Rays<'_> {
+    fn first(&self, x: f64, y: f64) -> Option<Hit> {
+        self.caster.first(&self.stage.camera.ray(self.stage.viewport, x, y)).hit
+    }
+}
+
+/// The CPU rasterizer, asked at any position.
+struct Triangles<'a>(PointSampler<'a>);
+
+impl Sampler for Triangles<'_> {
+    fn first(&self, x: f64, y: f64) -> Option<Hit> {
+        self.0.sample(x, y)
+    }
+
+    fn layers(&self, x: f64, y: f64) -> Vec<Hit> {
+        self.0.layers(x, y)
+    }
 }
 
 impl<'m> Stage<'m> {
@@ -149,9 +174,9 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the buffers cannot be compared.
     pub fn against_raycast(&self, caster: &Caster, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
-        let sample = |x: f64, y: f64| caster.first(&self.camera.ray(self.viewport, x, y)).hit;
+        let sampler = Rays { stage: self, caster };
         let deviation = Deviation::of_proxy(self.model, &self.proxy.chord);
-        self.pair(reference, &sample, candidate, &deviation, true)
+        self.pair(reference, &sampler, candidate, &deviation, true)
     }
 
     /// The GPU's buffer against the CPU rasterizer's.
@@ -160,15 +185,15 @@ impl<'m> Stage<'m> {
     /// Where the buffers cannot be compared.
     pub fn against_raster(&self, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
         let rasterizer = self.rasterizer(raster::Options { curvature: false, interpolated_normals: false });
-        let sampler = rasterizer.sampler();
-        let deviation = Deviation::of_same_proxy(self.model);
-        self.pair(reference, &|x, y| sampler.sample(x, y), candidate, &deviation, false)
+        let sampler = Triangles(rasterizer.sampler());
+        let deviation = Deviation::of_same_proxy(self.model, &self.proxy.chord);
+        self.pair(reference, &sampler, candidate, &deviation, false)
     }
 
     fn pair(
         &self,
         reference: &GBuffer,
-        sample: compare::Sampler,
+        sampler: &dyn Sampler,
         candidate: &GBuffer,
         deviation: &Deviation,
         exact: bool,
@@ -176,7 +201,7 @@ impl<'m> Stage<'m> {
         let judge = Judge::new(self.model, &self.camera, self.viewport);
         let what = format!("{} | {}", reference.meta().renderer, candidate.meta().renderer);
         let bar = terminal::progress(&what, self.viewport.height());
-        Ok(judge.pair(reference, sample, candidate, deviation, exact, &|rows| bar.inc(rows as u64))?)
+        Ok(judge.pair(reference, sampler, candidate, deviation, exact, &|rows| bar.inc(rows as u64))?)
     }
 
     /// Judges the picture that the GPU shaded in its fragment stage by the G-buffer that it returned beside it.
@@ -221,7 +246,7 @@ impl<'m> Stage<'m> {
     }
 
     /// What f32 allows of the normal at a hit, or everything where there is no bound.
-    fn normal_tolerance(&self, models: &[ToleranceModel], hit: &gbuffer::Hit) -> f32 {
+    fn normal_tolerance(&self, models: &[ToleranceModel], hit: &Hit) -> f32 {
         let FaceId(face) = hit.face;
         let surface = self.model.surface(hit.face);
         let point = surface.inspect(hit.uv.x, hit.uv.y);

@@ -17,6 +17,10 @@ pub struct Deviation {
     /// Per face: the greatest distance of a flat proxy triangle from S at its (u, v), model units. Zeros where both
     /// renderers draw the same triangles.
     pub chord: Vec<f64>,
+    /// Per face: the chord bound of the triangles that are drawn, even where it does not count between two renderers of
+    /// the same ones, model units. It holds the pixels at an edge of the triangles: snapping may put a pixel's centre
+    /// outside the triangle that covers it, and a renderer then follows the triangle's plane beyond the edge.
+    pub edge_chord: Vec<f64>,
     /// Per face: what the accuracy of interpolated parameters amounts to, model units.
     pub attribute: Vec<f64>,
     /// Pixels: snapping of vertices.
@@ -30,6 +34,7 @@ impl Deviation {
     pub fn of_proxy(model: &Model, chord: &[f64]) -> Self {
         Self {
             chord: chord.to_vec(),
+            edge_chord: chord.to_vec(),
             attribute: attribute(model),
             snap_px: SNAP_PX,
             text: format!(
@@ -39,14 +44,15 @@ impl Deviation {
         }
     }
 
-    /// Two rasterizers of the same triangles.
-    pub fn of_same_proxy(model: &Model) -> Self {
+    /// Two rasterizers of the same triangles, whose chord bounds are given a face.
+    pub fn of_same_proxy(model: &Model, chord: &[f64]) -> Self {
         Self {
             chord: vec![0.0; model.faces().len()],
+            edge_chord: chord.to_vec(),
             attribute: attribute(model),
             snap_px: 2.0 * SNAP_PX,
             text: format!(
-                "the same triangles, so no chord: {} px of vertex snapping + {ATTRIBUTE_ULPS} ulp of interpolated \
+                "the same triangles, so no chord but at their edges: {} px of vertex snapping + {ATTRIBUTE_ULPS} ulp of interpolated \
                  parameters; rounding of S: running bound to first order",
                 2.0 * SNAP_PX
             ),

@@ -17,8 +17,23 @@ pub const UNDECIDED_SHARE: f64 = 1e-3;
 /// Directions in which a sampler is asked around a pixel.
 const DIRECTIONS: usize = 16;
 
-/// What the reference renderer sees at a picture position, in pixels, that need not be a pixel's centre.
-pub type Sampler<'a> = &'a (dyn Fn(f64, f64) -> Option<Hit> + Sync);
+/// Rounding of the depths that a depth test compares, in units of 2⁻²⁴ of the distance and the model's size: half an
+/// ulp each of z, of 1 / w, of their product and of the interpolation between corners, on either side.
+const DEPTH_ULPS: f64 = 4.0;
+
+/// Cells along the sides of the grid on which a sampler is asked where the rings show nothing alike.
+const GRID: usize = 48;
+
+/// A reference renderer that can be asked at any position of the picture, in pixels, not only at pixels' centres.
+pub trait Sampler: Sync {
+    /// What it sees there.
+    fn first(&self, x: f64, y: f64) -> Option<Hit>;
+
+    /// All that it draws there, hidden layers too; of a renderer that cannot tell, what it sees.
+    fn layers(&self, x: f64, y: f64) -> Vec<Hit> {
+        self.first(x, y).into_iter().collect()
+    }
+}
 
 /// Why two buffers cannot be compared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -73,6 +88,8 @@ pub struct Judge<'m> {
     model: &'m Model,
     camera: &'m Camera,
     viewport: Viewport,
+    /// Diagonal of the model's box.
+    size: f64,
     tolerances: Vec<ToleranceModel<'m>>,
     attribution: Attribution<'m>,
 }
@@ -113,7 +130,7 @@ struct Pair<'a, 'm> {
     judge: &'a Judge<'m>,
     reference: &'a GBuffer,
     candidate: &'a GBuffer,
-    sample: Sampler<'a>,
+    sampler: &'a dyn Sampler,
     deviation: &'a Deviation,
     /// Whether the reference shows at every position the surface point on that very ray.
     exact: bool,
@@ -128,10 +145,11 @@ impl<'m> Judge<'m> {
     /// A judge of `model` as `camera` sees it.
     pub fn new(model: &'m Model, camera: &'m Camera, viewport: Viewport) -> Self {
         let tolerances = model.surfaces().iter().map(ToleranceModel::new).collect();
-        Self { model, camera, viewport, tolerances, attribution: Attribution::new(model) }
+        let size = model.hull().diagonal();
+        Self { model, camera, viewport, size, tolerances, attribution: Attribution::new(model) }
     }
 
-    /// Compares a candidate with a reference that `sample` can ask at any position of the picture.
+    /// Compares a candidate with a reference that `sampler` can ask at any position of the picture.
     ///
     /// For each pixel, in this order; the first that fails gives the cause:
     /// 1. *evaluation*: position, normal and curvatures at the candidate's own (u, v) lie within [`Tolerance`] of f64.
@@ -150,14 +168,14 @@ impl<'m> Judge<'m> {
     pub fn pair(
         &self,
         reference: &GBuffer,
-        sample: Sampler,
+        sampler: &dyn Sampler,
         candidate: &GBuffer,
         deviation: &Deviation,
         exact: bool,
         progress: &(dyn Fn(usize) + Sync),
     ) -> Result<PairReport, CompareError> {
         self.check(reference, candidate)?;
-        let pair = Pair { judge: self, reference, candidate, sample, deviation, exact };
+        let pair = Pair { judge: self, reference, candidate, sampler, deviation, exact };
         let rows: Vec<Tally> = (0..self.viewport.height())
             .into_par_iter()
             .map(|y| {
@@ -347,8 +365,9 @@ impl Pair<'_, '_> {
         let s = self.judge.surface_point(candidate);
         let face = candidate.face.0 as usize;
         let bound_px = self.bound_of(face, s);
-        // Along the ray: the chord on either side, and what rounding of S itself may be.
-        let slack = 2.0 * self.deviation.model_units(face) + 2.0 * candidate.position.distance(s);
+        // Along the ray: the chord on either side, what rounding of S itself was, and that of the depths compared.
+        let depth = DEPTH_ULPS / (1u64 << 24) as f64 * (candidate.t.abs() + self.judge.size);
+        let slack = 2.0 * self.deviation.model_units(face) + 2.0 * candidate.position.distance(s) + depth;
         let in_front = self.judge.camera.depth(s) >= self.judge.camera.near() - slack;
         let picture = self.judge.picture(s).filter(|_| in_front);
         let same = reference.filter(|r| r.face == candidate.face && (r.t - candidate.t).abs() <= slack);
@@ -366,13 +385,12 @@ impl Pair<'_, '_> {
         if same.is_some() && across_px <= bound_px {
             return Ok(agreement);
         }
-        let around = || self.around(center, bound_px, reference.or(Some(candidate)));
         if self.exact {
             if across_px > bound_px {
                 return Err(self.misplaced(candidate, center, across_px, bound_px));
             }
-        } else if !around().any(|q| self.is_like(q, candidate, bound_px, slack))
-            && !self.between(around(), candidate, slack)
+        } else if !self.is_drawn_nearby(center, bound_px, reference, candidate, slack)
+            && !self.is_beyond_an_edge(center, bound_px, reference, candidate, s)
         {
             let cause = match reference {
                 None => Cause::Coverage,
@@ -386,7 +404,7 @@ impl Pair<'_, '_> {
         // Visibility.
         let Some(occluder) = reference.filter(|r| r.t < candidate.t - slack) else { return Ok(agreement) };
         let behind = |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack);
-        let own = picture.filter(|_| self.exact).is_some_and(|p| behind((self.sample)(p.x, p.y)));
+        let own = picture.filter(|_| self.exact).is_some_and(|p| behind(self.sampler.first(p.x, p.y)));
         let bound = bound_px.max(self.bound_at(occluder));
         if own || self.near_border(occluder, center, bound) || self.around(center, bound, Some(occluder)).any(behind) {
             return Ok(agreement);
@@ -432,22 +450,68 @@ impl Pair<'_, '_> {
         self.judge.camera.pixels_within(self.judge.viewport, position, radius) + self.deviation.snap_px
     }
 
+    /// Whether the reference draws the candidate's point somewhere within the bound: on the rings, or on a dense grid.
+    ///
+    /// A hidden layer will do: whether it may be seen is decided by itself.
+    fn is_drawn_nearby(
+        &self,
+        center: DVec2,
+        bound_px: f64,
+        reference: Option<&Hit>,
+        candidate: &Hit,
+        slack: f64,
+    ) -> bool {
+        let draws = |places: &mut dyn Iterator<Item = DVec2>| {
+            let layers: Vec<Hit> = places.flat_map(|p| self.sampler.layers(p.x, p.y)).collect();
+            layers.iter().any(|q| self.is_like(q, candidate, bound_px, slack))
+                || self.is_between(&layers, candidate, slack)
+        };
+        if draws(&mut self.places(center, bound_px, reference.or(Some(candidate)))) {
+            return true;
+        }
+        let steps = (0..=GRID).map(|i| 2.0 * i as f64 / GRID as f64 - 1.0);
+        let grid = steps.clone().flat_map(|x| steps.clone().map(move |y| DVec2::new(x, y)));
+        draws(&mut grid.filter(|offset| offset.length() <= 1.0).map(|offset| center + bound_px * offset))
+    }
+
+    /// Whether an edge of the drawing passes within the bound, and the candidate's point `s` is as near to the pixel's
+    /// ray as the chord allows: it was interpolated beyond its triangle.
+    fn is_beyond_an_edge(
+        &self,
+        center: DVec2,
+        bound_px: f64,
+        reference: Option<&Hit>,
+        candidate: &Hit,
+        s: DVec3,
+    ) -> bool {
+        let face = candidate.face.0 as usize;
+        let radius = self.deviation.edge_chord[face] + self.deviation.model_units(face);
+        let chord_px = self.judge.camera.pixels_within(self.judge.viewport, s, radius) + self.deviation.snap_px;
+        let identity = |hit: Option<Hit>| hit.map(|h| h.face);
+        self.judge.picture(s).is_some_and(|p| p.distance(center) <= chord_px)
+            && self
+                .around(center, bound_px, reference.or(Some(candidate)))
+                .any(|q| identity(q) != identity(reference.copied()))
+    }
+
     /// Whether a sample shows the candidate's point: same face, same place in the picture and in depth.
-    fn is_like(&self, sample: Option<Hit>, candidate: &Hit, bound_px: f64, slack: f64) -> bool {
-        let Some(q) = sample.filter(|q| q.face == candidate.face) else { return false };
-        let [a, b] = [&q, candidate].map(|hit| self.judge.picture(self.judge.surface_point(hit)));
+    fn is_like(&self, q: &Hit, candidate: &Hit, bound_px: f64, slack: f64) -> bool {
+        if q.face != candidate.face {
+            return false;
+        }
+        let [a, b] = [q, candidate].map(|hit| self.judge.picture(self.judge.surface_point(hit)));
         let near = a.zip(b).is_some_and(|(a, b)| a.distance(b) <= bound_px);
         near && (q.t - candidate.t).abs() <= slack
     }
 
     /// Whether the candidate's point lies among those of its face that the samples show: at a grazing pixel all
     /// change fast from one position to the next.
-    fn between(&self, samples: impl Iterator<Item = Option<Hit>>, candidate: &Hit, slack: f64) -> bool {
+    fn is_between(&self, samples: &[Hit], candidate: &Hit, slack: f64) -> bool {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let parameters = |hit: &Hit| hit.uv.extend(hit.t);
-        for q in samples.flatten().filter(|q| q.face == candidate.face) {
-            low = low.min(parameters(&q));
-            high = high.max(parameters(&q));
+        for q in samples.iter().filter(|q| q.face == candidate.face) {
+            low = low.min(parameters(q));
+            high = high.max(parameters(q));
         }
         // Rounding of the interpolated parameters themselves.
         let [u, v] = self.judge.model.surface(candidate.face).domain().map(|[start, end]| end - start);
@@ -457,14 +521,19 @@ impl Pair<'_, '_> {
         low.cmple(p + margin).all() && high.cmpge(p - margin).all()
     }
 
-    /// What the reference sees around a position: at it, on two rings, and along the picture of the hit's normal,
-    /// which points straight across a silhouette.
+    /// What the reference sees around a position.
     fn around<'a>(
         &'a self,
         center: DVec2,
         radius: f64,
         hit: Option<&Hit>,
     ) -> impl Iterator<Item = Option<Hit>> + use<'a> {
+        self.places(center, radius, hit).map(move |p| self.sampler.first(p.x, p.y))
+    }
+
+    /// Positions around a position: itself, some along the picture of the hit's normal, which points straight across
+    /// a silhouette, and two rings.
+    fn places(&self, center: DVec2, radius: f64, hit: Option<&Hit>) -> impl Iterator<Item = DVec2> + use<> {
         let camera = self.judge.camera;
         let across = hit
             .and_then(|hit| hit.normal.unit())
@@ -472,10 +541,7 @@ impl Pair<'_, '_> {
         let ring = (0..DIRECTIONS).map(|i| DVec2::from_angle(std::f64::consts::TAU * i as f64 / DIRECTIONS as f64));
         let offsets = [DVec2::ZERO, across, -across, 0.75 * across, -0.75 * across, 0.5 * across, -0.5 * across];
         let offsets = offsets.into_iter().chain(ring.flat_map(|d| [d, 0.5 * d]));
-        offsets.map(move |offset| {
-            let p = center + radius * offset;
-            (self.sample)(p.x, p.y)
-        })
+        offsets.map(move |offset| center + radius * offset)
     }
 
     /// Whether a border of the hit's face passes within `radius` pixels of a position, or the near plane cuts it there.

@@ -192,7 +192,12 @@ impl Device {
             return Err(GpuError::OutOfMemory { during });
         }
         match validation.or(internal) {
-            Some(error) => Err(GpuError::Refused { during, message: plain(&error.to_string()) }),
+            Some(error) => {
+                // What a lost device makes is invalid, and its refusals hide the cause; only polling brings word of it.
+                let _ = self.poll(wgpu::PollType::Poll);
+                self.alive(during)?;
+                Err(GpuError::Refused { during, message: plain(&error.to_string()) })
+            }
             None => Ok(result),
         }
     }
@@ -223,16 +228,19 @@ impl Device {
         during: &'static str,
         submission_index: Option<wgpu::SubmissionIndex>,
     ) -> Result<(), GpuError> {
-        let wait = wgpu::PollType::Wait { submission_index, timeout: Some(GREATEST_WAIT) };
-        // wgpu's `poll` has no other answer to a device lost meanwhile than to panic.
-        let polled = catch_unwind(AssertUnwindSafe(|| self.wgpu.poll(wait)));
+        let polled = self.poll(wgpu::PollType::Wait { submission_index, timeout: Some(GREATEST_WAIT) });
         self.alive(during)?;
         match polled {
-            Ok(Ok(_)) => Ok(()),
-            Ok(Err(wgpu::PollError::Timeout)) => Err(GpuError::Timeout { during, limit: GREATEST_WAIT }),
-            Ok(Err(error)) => Err(GpuError::Refused { during, message: error.to_string() }),
-            Err(_) => Err(GpuError::Lost { during, reason: "polling failed".to_owned() }),
+            Some(Ok(_)) => Ok(()),
+            Some(Err(wgpu::PollError::Timeout)) => Err(GpuError::Timeout { during, limit: GREATEST_WAIT }),
+            Some(Err(error)) => Err(GpuError::Refused { during, message: error.to_string() }),
+            None => Err(GpuError::Lost { during, reason: "polling failed".to_owned() }),
         }
+    }
+
+    /// `None` where wgpu panics: its `poll` has no other answer to a device lost meanwhile.
+    fn poll(&self, poll: wgpu::PollType) -> Option<Result<wgpu::PollStatus, wgpu::PollError>> {
+        catch_unwind(AssertUnwindSafe(|| self.wgpu.poll(poll))).ok()
     }
 }
 

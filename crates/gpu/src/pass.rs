@@ -9,7 +9,8 @@ use pipeline::fragment::Fragment;
 use pipeline::wgsl::{self, Variant};
 use pipeline::{PackedScene, Program, Proxy, View};
 use scene::{Camera, Viewport};
-use std::collections::HashMap;
+use std::collections::VecDeque;
+use std::collections::hash_map::{Entry, HashMap};
 use std::time::Instant;
 use wgpu::{ShaderStages, TextureFormat, TextureUsages};
 
@@ -156,10 +157,10 @@ impl<'a> Renderer<'a> {
         })?;
         let mut modules = HashMap::new();
         for &program in &scene.programs {
-            if !modules.contains_key(&program) {
+            if let Entry::Vacant(vacant) = modules.entry(program) {
                 let variant = Variant { program, curvature, interpolated_normal: interpolated_normals };
                 let source = overrides.source.map_or_else(|| wgsl::source(variant), |source| source(variant));
-                modules.insert(program, device.module(program, source)?);
+                vacant.insert(device.module(program, source)?);
             }
         }
         Ok(Self {
@@ -313,7 +314,7 @@ impl<'a> Renderer<'a> {
                 None => None,
             };
             let start = Instant::now();
-            let mut under_way = std::collections::VecDeque::new();
+            let mut under_way = VecDeque::new();
             for (index, views) in chunk.iter().enumerate() {
                 if under_way.len() == FRAMES_IN_FLIGHT {
                     self.device.wait(TIMING, under_way.pop_front())?;

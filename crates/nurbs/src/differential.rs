@@ -154,7 +154,7 @@ impl Surface {
 
 /// Curvatures from the second fundamental form in the orthonormal frame e1 = S_u / |S_u|, e2 = n × e1.
 ///
-/// There the shape operator is symmetric, so k1 − k2 = 2 hypot((a − c) / 2, b) has no cancellation at umbilics,
+/// There the shape operator is symmetric, so k1 − k2 = 2 √(((a − c) / 2)² + b²) has no cancellation at umbilics,
 /// which the textbook √(H² − K) has.
 fn curvature(d: &SecondDerivatives, n: DVec3) -> Curvature {
     let length = d.su.length();
@@ -168,7 +168,9 @@ fn curvature(d: &SecondDerivatives, n: DVec3) -> Curvature {
     let b = (m - shear * l) / (length * g);
     let c = (nn - 2.0 * shear * m + shear * shear * l) / (g * g);
     let mean = 0.5 * (a + c);
-    let half = (0.5 * (a - c)).hypot(b);
+    let x = 0.5 * (a - c);
+    // Not `hypot`: that is the platform's, and this must be the same everywhere.
+    let half = (x * x + b * b).sqrt();
     let (k1, k2) = (mean + half, mean - half);
     Curvature { gaussian: a * c - b * b, mean, k1, k2 }
 }

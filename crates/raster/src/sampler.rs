@@ -44,32 +44,57 @@ impl<'a> PointSampler<'a> {
     ///
     /// Its distance is taken along the ray through (x, y).
     pub fn sample(&self, x: f64, y: f64) -> Option<Hit> {
+        // At equal depth the earlier triangle, as in the picture.
+        let nearer = |a: Sample, b: Sample| if b.depth > a.depth { b } else { a };
+        let seen = self.samples(x, y).into_iter().reduce(nearer)?;
+        Some(self.hit(&seen, [x, y]))
+    }
+
+    /// All layers at (x, y), hidden ones too, nearest first.
+    pub fn layers(&self, x: f64, y: f64) -> Vec<Hit> {
+        let mut samples = self.samples(x, y);
+        samples.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+        samples.iter().map(|sample| self.hit(sample, [x, y])).collect()
+    }
+
+    /// Every triangle that covers (x, y) in front of the far plane, in drawing order.
+    fn samples(&self, x: f64, y: f64) -> Vec<Sample> {
         let Rasterizer { drawing, geometry } = self.raster;
         let inside = |t: f64, side: usize| t >= 0.0 && t < side as f64;
         if !inside(x, drawing.viewport.width()) || !inside(y, drawing.viewport.height()) {
-            return None;
+            return vec![];
         }
         let [column, row] = [x, y].map(|t| t as usize);
         let shift = [x - (column as f64 + 0.5), y - (row as f64 + 0.5)].map(|d| d as f32);
         let pixel = [column, row].map(|t| t as i32);
-        let mut nearest = 0.0;
-        let mut seen = None;
-        for &id in self.bins.of_pixel(column, row) {
-            let Some(triangle) = Triangle::new(geometry.corners(drawing, id), shift) else { continue };
-            if covers(&triangle, pixel[0], pixel[1]) {
-                let weights = triangle.weights(pixel[0], pixel[1]);
-                let depth = triangle.depth(weights);
-                if depth > nearest {
-                    nearest = depth;
-                    seen = Some((id, triangle, weights));
-                }
+        let covering = self.bins.of_pixel(column, row).iter().filter_map(|&id| {
+            let triangle = Triangle::new(geometry.corners(drawing, id), shift)?;
+            if !covers(&triangle, pixel[0], pixel[1]) {
+                return None;
             }
-        }
-        let (id, triangle, weights) = seen?;
-        let attributes = geometry.attributes(drawing, id);
-        let uv = triangle.interpolate(weights, attributes.uv);
-        let fragment = fragment(drawing.scene, attributes.face, uv, drawing.options.curvature);
-        let normal = drawing.options.interpolated_normals.then(|| triangle.interpolate(weights, attributes.normal));
-        Some(tile::hit(self.raster, &fragment, [x, y], normal))
+            let weights = triangle.weights(pixel[0], pixel[1]);
+            let depth = triangle.depth(weights);
+            (depth > 0.0).then_some(Sample { id, triangle, weights, depth })
+        });
+        covering.collect()
     }
+
+    /// The fragment program at a sample.
+    fn hit(&self, sample: &Sample, position: [f64; 2]) -> Hit {
+        let Rasterizer { drawing, geometry } = self.raster;
+        let Sample { id, triangle, weights, .. } = sample;
+        let attributes = geometry.attributes(drawing, *id);
+        let uv = triangle.interpolate(*weights, attributes.uv);
+        let fragment = fragment(drawing.scene, attributes.face, uv, drawing.options.curvature);
+        let normal = drawing.options.interpolated_normals.then(|| triangle.interpolate(*weights, attributes.normal));
+        tile::hit(self.raster, &fragment, position, normal)
+    }
+}
+
+/// A triangle that covers a position.
+struct Sample {
+    id: u32,
+    triangle: Triangle,
+    weights: [f32; 3],
+    depth: f32,
 }

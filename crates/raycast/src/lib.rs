@@ -6,12 +6,13 @@
 //! un-extracted surface. Nothing is shared with the fragment programs that this crate judges.
 //!
 //! # Accuracy
-//! A point counts as on the ray within 3 ((4 (p + q) + 3 (p + q) L + 6) u (r + f) + 12 u e) of it (L ≤ 3 halvings of a
-//! patch in either direction, u = 2⁻⁵³, r the radius of the surface's control points about the centre of their box, f the ray's
-//! distance from that centre, e the eye's; `line.rs` and `pieces.rs` derive the terms). For a bicubic surface that is at most
-//! 156 u (r + f) + 36 u e; [`Caster::residual_bound`] gives the number. Where parameters are too coarse for that, 5 ulp of
-//! them come on top. Typical residuals are a few ulp of the size.
-//! Every point of the surface within a third of the bound is found; one beyond the bound is never reported.
+//! A point counts as on the ray within 3 ((4 (p + q) + 3 (p + q) L + 6) u (r + f) + 12 u e): u = 2⁻⁵³, L ≤ 3 the
+//! halvings of a patch, r the radius of the surface's control points about the centre of their box, f the ray's
+//! distance from that centre, e the eye's (`pieces.rs` and `line.rs` derive the terms). That is at most
+//! 252 u (r + f) + 36 u e for a bicubic surface; [`Caster::residual_bound`] gives the number. Where parameters are too
+//! coarse for that, the way on the surface of 5 ulp of them comes on top. Typical residuals are a few ulp of the size.
+//! No point beyond the bound is reported, and none within a third of it is passed over in silence: it is a hit, part of
+//! a hit's run along the ray, or undecided.
 //!
 //! Trim loops are ignored: the untrimmed surface is cast.
 
@@ -189,30 +190,23 @@ impl<'m> Caster<'m> {
     /// Casts a ray through the centre of every pixel, rows in parallel; `progress` is told of each finished row.
     pub fn render(&self, camera: &Camera, viewport: Viewport, progress: &(dyn Fn(usize) + Sync)) -> GBuffer {
         let undecided = RefCell::new(vec![]);
-        let rows = (0..viewport.height()).step_by(BAND).flat_map(|top| {
-            let band: Vec<(Vec<Option<Hit>>, Vec<(usize, usize)>)> = (top..viewport.height().min(top + BAND))
-                .into_par_iter()
-                .map(|y| {
-                    let mut doubts = vec![];
-                    let row = (0..viewport.width())
-                        .map(|x| {
-                            let cast = self.first(&camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5));
-                            if cast.undecided.is_some() {
-                                doubts.push((x, y));
-                            }
-                            cast.hit
-                        })
-                        .collect();
-                    progress(1);
-                    (row, doubts)
+        let cast_row = |y: usize| {
+            let mut doubts = vec![];
+            let row: Vec<Option<Hit>> = (0..viewport.width())
+                .map(|x| {
+                    let cast = self.first(&camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5));
+                    doubts.extend(cast.undecided.map(|_| (x, y)));
+                    cast.hit
                 })
                 .collect();
-            band.into_iter()
-                .map(|(row, doubts)| {
-                    undecided.borrow_mut().extend(doubts);
-                    row
-                })
-                .collect::<Vec<_>>()
+            progress(1);
+            (row, doubts)
+        };
+        let rows = (0..viewport.height()).step_by(BAND).flat_map(|top| {
+            let bottom = viewport.height().min(top + BAND);
+            let (rows, doubts): (Vec<_>, Vec<_>) = (top..bottom).into_par_iter().map(cast_row).unzip();
+            undecided.borrow_mut().extend(doubts.into_iter().flatten());
+            rows
         });
         let buffer = GBuffer::from_rows(viewport, Meta::new("raycast", "rays", self.model, camera), rows);
         buffer.with_undecided(undecided.into_inner())

@@ -333,10 +333,9 @@ fn contract(p: usize, q: usize, f: &[DVec2], g: &[DVec2], r: f64, rows: DVec2, n
         return Step::Empty;
     }
     let (zero, one) = (DVec2::ZERO, DVec2::ONE);
-    if let Some(x) = newton(p, q, f, center.clamp(zero, one)) {
-        if x.cmpge(zero - BESIDE).all() && x.cmple(one + BESIDE).all() {
-            return Step::Root(x);
-        }
+    let beside = |x: &DVec2| x.cmpge(zero - BESIDE).all() && x.cmple(one + BESIDE).all();
+    if let Some(x) = newton(p, q, f, center.clamp(zero, one)).filter(beside) {
+        return Step::Root(x);
     }
     let (low, high) = (low.clamp(zero, one - NARROWEST), high.clamp(zero + NARROWEST, one));
     let kept = high - low;
@@ -529,7 +528,7 @@ mod tests {
             let f = bilinear(degree[0], degree[1], |u, v| DVec2::new(u + 0.1 * v - 0.3, 0.2 * u - v + 0.5));
             let (found, boxes) = found(degree, 1e-15, &f);
             let [Found::Root(x)] = found[..] else { panic!("{degree:?}: {found:?}") };
-            assert!((x - DVec2::new(0.25, 0.55) / 1.02).length() < 1e-12, "{x:?}");
+            assert!((x - DVec2::new(0.25, 0.56) / 1.02).length() < 1e-12, "{x:?}");
             assert_eq!(boxes, 1);
         }
     }
@@ -558,10 +557,11 @@ mod tests {
             u.sort_by(f64::total_cmp);
             u.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * gap.sqrt());
             assert_eq!(u.len(), 2, "1e-{exponent}: {two:?}");
-            assert!((u[1] - u[0] - 2.0 * gap.sqrt()).abs() < 1e-6 * gap.sqrt());
-            assert!(boxes < 12 * exponent as u64 + 40, "1e-{exponent}: {boxes}");
+            // Coefficients near ¼ are rounded by up to 2⁻⁵⁵, which moves a root by that over its slope.
+            assert!((u[1] - u[0] - 2.0 * gap.sqrt()).abs() < 1e-6 * gap.sqrt() + 1e-16 / gap.sqrt());
+            assert!(boxes < 45 * exponent as u64, "1e-{exponent}: {boxes}");
             let (none, boxes) = found([2, 2], 1e-16, &net(-gap));
-            assert!(none.is_empty() && boxes < 12 * exponent as u64 + 40, "1e-{exponent}: {none:?} {boxes}");
+            assert!(none.is_empty() && boxes < 45 * exponent as u64, "1e-{exponent}: {none:?} {boxes}");
         }
     }
 

@@ -1,0 +1,183 @@
+//! The command line as a user meets it: exit codes, streams, and messages that name the file, the place and the value.
+
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn xtask(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_xtask")).args(arguments).output().expect("xtask starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A file of its own for each test, in a folder that cargo gives to tests.
+fn file(name: &str, content: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, content).expect("a file can be written");
+    path
+}
+
+/// Asserts exit code 2, nothing on standard output, and every word in the message.
+fn refused(arguments: &[&str], words: &[&str]) {
+    let output = xtask(arguments);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments:?}: {}", text(&output.stdout));
+    assert!(!message.contains("panicked"), "{message}");
+    for word in words {
+        assert!(message.contains(word), "{arguments:?}: no {word:?} in: {message}");
+    }
+}
+
+fn square() -> Value {
+    json!({"format": "nurbs-neutral", "version": 1, "surfaces": [{
+        "degree": [1, 1], "knots_u": [0.0, 0.0, 1.0, 1.0], "knots_v": [0.0, 0.0, 1.0, 1.0], "nu": 2, "nv": 2,
+        "points": [[-1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0]], "weights": null,
+    }]})
+}
+
+#[test]
+fn bad_models_are_refused_with_file_place_and_value() {
+    let cases: Vec<(&str, Box<dyn Fn(&mut Value)>, Vec<&str>)> = vec![
+        ("decreasing", Box::new(|m| m["surfaces"][0]["knots_u"][2] = json!(-1.0)), vec!["knots_u", "-1"]),
+        (
+            "weights",
+            Box::new(|m| m["surfaces"][0]["weights"] = json!([1.0, 0.0, 1.0, 1.0])),
+            vec!["surfaces[0]", "weight 1"],
+        ),
+        ("counts", Box::new(|m| m["surfaces"][0]["nu"] = json!(3)), vec!["surfaces[0]"]),
+        ("degree", Box::new(|m| m["surfaces"][0]["degree"] = json!([16, 1])), vec!["degree", "16"]),
+        ("empty", Box::new(|m| m["surfaces"] = json!([])), vec!["no faces"]),
+        ("format", Box::new(|m| m["version"] = json!(9)), vec!["version", "9"]),
+    ];
+    for (name, change, words) in cases {
+        let mut model = square();
+        change(&mut model);
+        let file_name = format!("bad-{name}.json");
+        let path = file(&file_name, &model.to_string());
+        let words: Vec<&str> = [file_name.as_str()].into_iter().chain(words).collect();
+        refused(&["info", path.to_str().expect("UTF-8")], &words);
+    }
+    let text = square().to_string();
+    let path = file("truncated.json", &text[..text.len() / 2]);
+    refused(&["compare", path.to_str().expect("UTF-8")], &["truncated.json", "line 1"]);
+    let path = file("nan.json", &text.replace("-1.0", "NaN"));
+    refused(&["render", path.to_str().expect("UTF-8")], &["nan.json", "line 1", "NaN"]);
+    refused(&["info", "no-such-model"], &["no-such-model", "teapot"]);
+    refused(&["info", "no-such-file.json"], &["no-such-file.json"]);
+}
+
+#[test]
+fn bad_views_are_refused_with_the_value() {
+    refused(&["compare", "--size", "0x64"], &["0x64"]);
+    refused(&["compare", "--size", "large"], &["large"]);
+    refused(&["compare", "--size", "99999999x99999999"], &["99999999"]);
+    refused(&["render", "--fov", "180"], &["180"]);
+    refused(&["render", "--ortho", "-1"], &["-1"]);
+    refused(&["render", "--eye", "0", "0", "1", "--target", "0", "0", "1"], &["coincide"]);
+    refused(&["render", "--eye", "0", "0", "9", "--target", "0", "0", "0"], &["up vector"]);
+    refused(&["render", "--eye", "NaN", "0", "9"], &["eye", "NaN"]);
+    refused(&["render", "--near", "0"], &["near"]);
+    refused(&["compare", "--chord", "0"], &["chord"]);
+    refused(&["pixel", "teapot", "600,1"], &["600"]);
+    refused(&["no-such-command"], &["no-such-command"]);
+}
+
+#[test]
+fn without_an_adapter_the_other_two_are_compared_and_the_exit_code_is_2() {
+    let output = Command::new(env!("CARGO_BIN_EXE_xtask"))
+        .args(["compare", "--size", "48x48", "--format", "json"])
+        // The Vulkan loader's two names for the list of drivers.
+        .env("VK_DRIVER_FILES", "/nonexistent.json")
+        .env("VK_ICD_FILENAMES", "/nonexistent.json")
+        .output()
+        .expect("xtask starts");
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
+    assert_eq!(report["pairs"].as_array().map(Vec::len), Some(1));
+    assert_eq!(report["pairs"][0]["verdict"], "agree");
+    let why = report["gpu_not_run"].as_str().expect("a reason");
+    assert!(why.contains("apt-get install mesa-vulkan-drivers"), "{why}");
+}
+
+#[test]
+fn compare_prints_one_json_object_that_agrees() {
+    let output = xtask(&["compare", "--size", "64x64", "--format", "json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
+    assert_eq!((&report["model"], &report["technique"]), (&json!("teapot"), &json!("fragment")));
+    assert_eq!(report["size"], json!([64, 64]));
+    let pairs: Vec<_> =
+        report["pairs"].as_array().expect("pairs").iter().map(|p| [&p["reference"], &p["candidate"]]).collect();
+    assert_eq!(pairs, [["raycast", "raster"], ["raycast", "gpu"], ["raster", "gpu"]]);
+    for pair in report["pairs"].as_array().expect("pairs") {
+        assert!(pair["covered"].as_u64() > Some(500) && pair["covered"] == pair["agree"], "{pair}");
+        assert!(pair["causes"].is_object() && pair["max_px"].is_number());
+    }
+}
+
+#[test]
+fn eval_answers_in_the_conventions_of_the_oracle() {
+    let queries = file("queries.json", r#"{"queries": [{"surface": 0, "uv": [[0.25, 0.5], [1, 1]]}]}"#);
+    let model = file("square.json", &square().to_string());
+    let output = xtask(&["eval", model.to_str().expect("UTF-8"), "--queries", queries.to_str().expect("UTF-8")]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let first = &answer["queries"][0]["results"][0];
+    assert_eq!(first["S"], json!([-0.5, 0.0, 0.0]));
+    assert_eq!((&first["normal_kind"], &first["normal"]), (&json!("regular"), &json!([0.0, 0.0, 1.0])));
+    assert_eq!(answer["queries"][0]["results"][1]["S"], json!([1.0, 1.0, 0.0]));
+    let outside = file("outside.json", r#"{"queries": [{"surface": 0, "uv": [[1.5, 0]]}]}"#);
+    refused(
+        &["eval", model.to_str().expect("UTF-8"), "--queries", outside.to_str().expect("UTF-8")],
+        &["uv[0]", "1.5"],
+    );
+}
+
+#[test]
+fn render_writes_a_picture_and_a_gbuffer_that_reads_back() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (png, npz) = (folder.join("sphere.png"), folder.join("sphere.npz"));
+    for with in ["raster", "gpu", "raycast"] {
+        let output = xtask(&[
+            "render",
+            "sphere",
+            "--with",
+            with,
+            "--size",
+            "40x30",
+            "--shade",
+            "mean",
+            "--legend",
+            "--out",
+            png.to_str().expect("UTF-8"),
+            "--gbuffer",
+            npz.to_str().expect("UTF-8"),
+        ]);
+        assert!(output.status.success() && output.stdout.is_empty(), "{}", text(&output.stderr));
+        let buffer = gbuffer::GBuffer::read_npz(&npz).expect("a readable G-buffer");
+        assert_eq!(buffer.meta().renderer, with);
+        let hit = buffer.get(20, 15).expect("the sphere is in the middle");
+        let curvature = hit.curvature.expect("a sphere has curvature");
+        assert!((hit.position.length() - 1.0).abs() < 1e-6);
+        assert!((curvature.k1.abs() - 1.0).abs() < 1e-4 && (curvature.k2.abs() - 1.0).abs() < 1e-4, "{curvature:?}");
+        assert!(std::fs::metadata(&png).expect("a picture").len() > 100);
+    }
+}
+
+/// Kanai's Fig. 3: per-fragment normals follow the surface, interpolated ones do not.
+#[test]
+fn fragment_normals_are_closer_than_interpolated_ones() {
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kanai");
+    let output =
+        xtask(&["kanai", "surface", "--size", "96x96", "--format", "json", "--out", out.to_str().expect("UTF-8")]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let median = |which: &str| report[which]["median_deg"].as_f64().expect("a number");
+    assert!(median("fragment_normals") < median("vertex_normals"), "{report}");
+    for name in ["vertex-normals", "fragment-normals", "raycast", "beside"] {
+        assert!(out.join(format!("{name}.png")).exists());
+    }
+}
