@@ -9,6 +9,7 @@ pub struct Model {
     name: String,
     surfaces: Vec<Surface>,
     faces: Vec<Face>,
+    hull: Hull,
 }
 
 impl Model {
@@ -24,7 +25,10 @@ impl Model {
         if let Some(face) = faces.iter().position(|f| f.surface >= count) {
             return Err(SceneError::NoSuchSurface { face, surface: faces[face].surface, count });
         }
-        Ok(Self { name: name.into(), surfaces, faces })
+        let pieces = |face: &Face| surfaces[face.surface].bezier_patches();
+        let hull = faces.iter().flat_map(pieces).map(|patch| patch.hull()).reduce(Hull::union);
+        let hull = hull.expect("a model has faces, and a face has a span");
+        Ok(Self { name: name.into(), surfaces, faces, hull })
     }
 
     /// A model with one whole face a surface.
@@ -66,12 +70,7 @@ impl Model {
 
     /// A box that holds all faces: the hull of their Bézier pieces, tighter than that of their control points.
     pub fn hull(&self) -> Hull {
-        self.faces
-            .iter()
-            .flat_map(|f| self.surfaces[f.surface].bezier_patches())
-            .map(|patch| patch.hull())
-            .reduce(Hull::union)
-            .expect("a model has faces, and a face has a span")
+        self.hull
     }
 
     /// A 64-bit FNV-1a hash of all that is drawn (degrees, knots, points, weights, orientations), as hexadecimal.
