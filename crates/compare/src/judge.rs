@@ -417,9 +417,9 @@ impl Pair<'_, '_> {
     /// A pixel that only the reference covers.
     fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
         let bound = self.bound_at(reference);
-        if self.near_border(reference, center, bound)
-            || self.around(center, bound, Some(reference)).any(|q| q.is_none())
-        {
+        // Two rasterizers may each leave a crack between faces, whose corners are placed in frames of their own.
+        let is_edge = |q: Option<Hit>| q.is_none_or(|q| !self.exact && q.face != reference.face);
+        if self.near_border(reference, center, bound) || self.around(center, bound, Some(reference)).any(is_edge) {
             return Ok(());
         }
         let detail = format!("face {} is not shown, and no edge is within {bound:.4} px", reference.face.0);
