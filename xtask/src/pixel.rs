@@ -16,8 +16,8 @@ use std::process::ExitCode;
 /// Explain one pixel: each stage's values in each renderer, and what the comparison says of it
 #[derive(Debug, Args)]
 pub struct PixelArgs {
-    #[command(flatten)]
-    model: ModelArgs,
+    /// A model file (.json, .bpt) or the name of a built-in model
+    model: String,
     /// Column and row, from the top left corner, from 0
     #[arg(value_name = "X,Y")]
     pixel: String,
@@ -32,7 +32,7 @@ pub struct PixelArgs {
 /// # Errors
 /// Where input is bad or the pixel is outside the picture.
 pub fn run(args: &PixelArgs) -> Result<ExitCode> {
-    let model = args.model.open()?;
+    let model = ModelArgs { model: args.model.clone() }.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let (x, y): (usize, usize) = args

@@ -47,7 +47,7 @@ fn bad_models_are_refused_with_file_place_and_value() {
         ("weights", "/surfaces/0/weights", json!([1.0, 0.0, 1.0, 1.0]), &["surfaces[0]", "weight 1"]),
         ("counts", "/surfaces/0/nu", json!(3), &["surfaces[0]"]),
         ("degree", "/surfaces/0/degree", json!([16, 1]), &["degree", "16"]),
-        ("empty", "/surfaces", json!([]), &["no faces"]),
+        ("empty", "/surfaces", json!([]), &["surfaces is []"]),
         ("format", "/version", json!(9), &["version", "9"]),
     ];
     for (name, place, value, words) in cases {

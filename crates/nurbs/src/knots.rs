@@ -108,20 +108,14 @@ impl KnotVector {
 
     /// The span k with U\[k\] ≤ t < U\[k+1\] (Piegl & Tiller, A2.1): at a knot the span above it, at the end of the
     /// domain the last nonempty span. Parameters outside the domain get the first or last span.
+    #[inline]
     pub fn find_span(&self, t: f64) -> usize {
-        let (mut low, mut high) = (self.degree, self.control_count());
-        if t >= self.knots[high] {
+        let (start, end) = (self.degree, self.control_count());
+        if t >= self.knots[end] {
             return self.last_span();
         }
-        // Invariant: U[low] ≤ t (or low = p) and t < U[high]. Runs of equal knots end at their last index.
-        while high - low > 1 {
-            let middle = usize::midpoint(low, high);
-            if t < self.knots[middle] {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
+        // Of equal knots this counts all: the span begins at the last of them. The search has no branch to mispredict.
+        let mut low = start + self.knots[start + 1..end].partition_point(|k| *k <= t);
         // Below the domain of a vector whose first domain knot is repeated: move up to the nonempty span.
         while self.knots[low] == self.knots[low + 1] {
             low += 1;
