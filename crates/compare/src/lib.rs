@@ -8,13 +8,20 @@
 mod attribution;
 mod cause;
 mod deviation;
+mod error;
 mod judge;
+mod pair;
 mod report;
+mod sampler;
+mod tally;
 mod tolerance;
 
 pub use attribution::NEARLY;
 pub use cause::Cause;
 pub use deviation::{ATTRIBUTE_ULPS, Deviation, SNAP_PX};
-pub use judge::{CompareError, Judge, Sampler, UNDECIDED_SHARE};
+pub use error::CompareError;
+pub use judge::Judge;
 pub use report::{Coverage, PairReport, PixelReport, Verdict};
+pub use sampler::Sampler;
+pub use tally::UNDECIDED_SHARE;
 pub use tolerance::{Tolerance, ToleranceModel};

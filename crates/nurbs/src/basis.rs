@@ -79,7 +79,7 @@ fn differences<const CAPACITY: usize>(term: &[f64; CAPACITY], p: usize, out: &mu
 
 /// All derivatives to `order` of the p + 1 basis functions of `span` at `t`: `result[k][r]`.
 ///
-/// Piegl & Tiller, A2.3. Rows above p are zero. Independent of [`basis`], which it checks.
+/// Piegl & Tiller, A2.3. Rows above p are zero. Independent of the inverse triangle, which it checks.
 pub fn basis_derivatives(knots: &KnotVector, span: usize, t: f64, order: usize) -> Vec<[f64; MAX_ORDER]> {
     let p = knots.degree();
     let u = knots.knots();

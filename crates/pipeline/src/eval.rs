@@ -42,9 +42,9 @@ pub struct Derivatives<const N: usize> {
     pub svv: Vec3<N>,
 }
 
-/// The span k with U[k] ≤ t < U[k+1] by binary search; at the end of the domain `last` (Kanai 2007, Sec. 3.1).
+/// The span k with U\[k\] ≤ t < U\[k+1\] by binary search; at the end of the domain `last` (Kanai 2007, Sec. 3.1).
 ///
-/// `knots` are the face's knots in one direction, `count` its control points; `t` is not below U[degree].
+/// `knots` are the face's knots in one direction, `count` its control points; `t` is not below U\[degree\].
 #[inline(always)]
 pub fn find_span(knots: &[f32], degree: usize, count: usize, last: usize, t: f32) -> usize {
     if t >= knots[count] {
@@ -63,7 +63,7 @@ pub fn find_span(knots: &[f32], degree: usize, count: usize, last: usize, t: f32
     low
 }
 
-/// Whether [`find_span`] gives `span` for `t`, which is not below U[degree].
+/// Whether [`find_span`] gives `span` for `t`, which is not below U\[degree\].
 #[inline(always)]
 pub fn is_on_span(knots: &[f32], count: usize, last: usize, span: usize, t: f32) -> bool {
     if t >= knots[count] { span == last } else { knots[span] <= t && t < knots[span + 1] }

@@ -1,7 +1,7 @@
 //! The f32 side: a packed scene, the proxies that are rasterized, and the program that runs at every fragment.
 //!
 //! `raster` runs [`fragment`] from this crate, `gpu` runs its twin in WGSL ([`wgsl`]); both read the same
-//! [`PackedScene`], [`Proxy`] and [`View`]s, which [`pack`] alone narrows from f64.
+//! [`PackedScene`], [`Proxy`] and [`View`]s, which module `pack` alone narrows from f64.
 
 pub mod eval;
 pub mod fragment;

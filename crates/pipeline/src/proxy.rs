@@ -70,7 +70,7 @@ impl Proxy {
     ///
     /// The bound is that of Filip, Magedson & Markot (1986) on each cell of a grid that follows the knots, from
     /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the face's box. A face
-    /// at the near plane, or one that would need over [`GREATEST_CELLS`] cells a span, is coarser; what holds
+    /// at the near plane, or one that would need over 256 cells a span, is coarser; what holds
     /// is always [`Self::chord`].
     ///
     /// # Errors

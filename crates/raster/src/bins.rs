@@ -1,6 +1,6 @@
 //! Which triangles may touch which square of the picture.
 
-use crate::coverage::Rect;
+use crate::rect::Rect;
 use rayon::prelude::*;
 use scene::Viewport;
 

@@ -1,36 +1,7 @@
 //! Coverage: which pixel centres a snapped triangle holds, by integer edge functions and the top-left rule.
 
+use crate::rect::Rect;
 use crate::setup::Triangle;
-
-/// A half-open rectangle of pixels; empty where it ends before it starts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rect {
-    /// First column.
-    pub left: i32,
-    /// First row.
-    pub top: i32,
-    /// One past the last column.
-    pub right: i32,
-    /// One past the last row.
-    pub bottom: i32,
-}
-
-impl Rect {
-    /// What both hold.
-    pub fn intersection(self, other: Self) -> Self {
-        Self {
-            left: self.left.max(other.left),
-            top: self.top.max(other.top),
-            right: self.right.min(other.right),
-            bottom: self.bottom.min(other.bottom),
-        }
-    }
-
-    /// Whether it holds no pixel.
-    pub fn is_empty(self) -> bool {
-        self.right <= self.left || self.bottom <= self.top
-    }
-}
 
 /// Calls `visit` with every pixel of `rect` whose centre the triangle covers, row by row.
 pub fn for_each_covered(triangle: &Triangle, rect: Rect, mut visit: impl FnMut(i32, i32)) {

@@ -1,6 +1,6 @@
 //! The depth test over one tile, and who is seen in each of its pixels.
 
-use crate::coverage::Rect;
+use crate::rect::Rect;
 
 /// Side of a tile, pixels.
 pub const TILE: usize = 64;

@@ -2,7 +2,7 @@
 
 use crate::Drawing;
 use crate::clip::{self, ClipVertex};
-use crate::coverage::Rect;
+use crate::rect::Rect;
 use crate::setup::covered_bounds;
 use crate::vertex::{Corner, Screen, clip_position};
 use pipeline::Vertex;

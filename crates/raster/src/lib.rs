@@ -13,6 +13,7 @@ pub mod clip;
 pub mod coverage;
 pub mod depth;
 mod geometry;
+pub mod rect;
 mod sampler;
 pub mod setup;
 mod tile;
@@ -21,9 +22,9 @@ pub mod vertex;
 pub use sampler::PointSampler;
 
 use crate::bins::Bins;
-use crate::coverage::Rect;
 use crate::depth::TILE;
 use crate::geometry::Geometry;
+use crate::rect::Rect;
 use gbuffer::{GBuffer, Hit, Meta};
 use pipeline::{PackedScene, Proxy, View};
 use rayon::prelude::*;

@@ -1,7 +1,8 @@
 //! Single samples at any position of the picture.
 
 use crate::bins::Bins;
-use crate::coverage::{Rect, covers};
+use crate::coverage::covers;
+use crate::rect::Rect;
 use crate::setup::Triangle;
 use crate::{Rasterizer, tile};
 use gbuffer::Hit;

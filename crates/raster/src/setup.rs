@@ -12,7 +12,7 @@
 //! extrapolation has no bound. Where it would go farther, the weights are those of the snapped triangle; they describe a
 //! point of the triangle that lies within √2 / 512 pixel of the sample.
 
-use crate::coverage::Rect;
+use crate::rect::Rect;
 use crate::vertex::Corner;
 
 /// Fractional bits of a snapped position.

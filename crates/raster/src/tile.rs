@@ -1,8 +1,9 @@
 //! One tile: who is seen, then what is seen.
 
 use crate::Rasterizer;
-use crate::coverage::{Rect, for_each_covered};
+use crate::coverage::for_each_covered;
 use crate::depth::{DepthTile, TILE};
+use crate::rect::Rect;
 use crate::setup::Triangle;
 use gbuffer::Hit;
 use glam::DVec3;

@@ -1,0 +1,290 @@
+//! One pixel of two buffers: geometry, visibility and coverage.
+
+use crate::judge::{Difference, Judge, Shares};
+use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler};
+use gbuffer::{GBuffer, Hit};
+use glam::{DVec2, DVec3};
+
+/// Directions in which a sampler is asked around a pixel.
+const DIRECTIONS: usize = 16;
+
+/// Rounding of the depths that a depth test compares, in units of 2⁻²⁴ of the distance and the model's size: half an
+/// ulp each of z, of 1 / w, of their product and of the interpolation between corners, on either side.
+const DEPTH_ULPS: f64 = 4.0;
+
+/// Cells along the sides of the grid on which a sampler is asked where the rings show nothing alike.
+const GRID: usize = 48;
+
+/// What was found at a pixel that agrees.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Agreement {
+    pub across_px: f64,
+    pub bound_px: f64,
+    pub along: f64,
+    pub shares: Shares,
+}
+
+/// The view of one pair of buffers.
+pub(crate) struct Pair<'a, 'm> {
+    pub judge: &'a Judge<'m>,
+    pub reference: &'a GBuffer,
+    pub candidate: &'a GBuffer,
+    pub sampler: &'a dyn Sampler,
+    pub deviation: &'a Deviation,
+    /// Whether the reference shows at every position the surface point on that very ray.
+    pub exact: bool,
+}
+
+impl Pair<'_, '_> {
+    pub fn pixel(&self, x: usize, y: usize) -> Result<Option<Agreement>, Difference> {
+        let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let result = match (self.reference.get(x, y), self.candidate.get(x, y)) {
+            (None, None) => Ok(None),
+            (reference, Some(candidate)) => self.shown(center, reference, candidate).map(Some),
+            (Some(reference), None) => self.missing(center, reference).map(|()| Some(Agreement::default())),
+        };
+        match result {
+            Err(difference) if self.reference.is_undecided(x, y) => {
+                Err(Difference { cause: Cause::Undecided, ..difference })
+            }
+            other => other,
+        }
+    }
+
+    /// A pixel that the candidate covers.
+    fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Difference> {
+        let shares = self.judge.evaluation(candidate)?;
+        let s = self.judge.surface_point(candidate);
+        let face = candidate.face.0 as usize;
+        let bound_px = self.bound_of(face, s);
+        // Along the ray: the chord on either side, what rounding of S itself was, and that of the depths compared.
+        let depth = DEPTH_ULPS / (1u64 << 24) as f64 * (candidate.t.abs() + self.judge.size);
+        let slack = 2.0 * self.deviation.model_units(face) + 2.0 * candidate.position.distance(s) + depth;
+        let in_front = self.judge.camera.depth(s) >= self.judge.camera.near() - slack;
+        let picture = self.judge.picture(s).filter(|_| in_front);
+        let same = reference.filter(|r| r.face == candidate.face && (r.t - candidate.t).abs() <= slack);
+        let along = same.map_or(0.0, |r| (r.t - candidate.t).abs());
+        // Geometry.
+        let target = match same {
+            Some(r) if !self.exact => self.judge.picture(self.judge.surface_point(r)),
+            _ => Some(center),
+        };
+        let across_px = match (picture, target) {
+            (Some(a), Some(b)) => a.distance(b),
+            _ => f64::INFINITY,
+        };
+        let agreement = Agreement { across_px, bound_px, along, shares };
+        if same.is_some() && across_px <= bound_px {
+            return Ok(agreement);
+        }
+        if self.exact {
+            if across_px > bound_px {
+                return Err(self.misplaced(candidate, center, across_px, bound_px));
+            }
+        } else if !self.is_drawn_nearby(center, bound_px, reference, candidate, slack)
+            && !self.is_beyond_an_edge(center, bound_px, reference, candidate, s)
+        {
+            let cause = match reference {
+                None => Cause::Coverage,
+                Some(r) if r.face == candidate.face => Cause::Interpolation,
+                Some(r) if r.t < candidate.t => Cause::Depth,
+                Some(_) => Cause::Coverage,
+            };
+            let detail = format!("nothing within {bound_px:.4} px in the reference is like it");
+            return Err(Difference::new(cause, across_px / bound_px, detail));
+        }
+        // Visibility.
+        let Some(occluder) = reference.filter(|r| r.t < candidate.t - slack) else { return Ok(agreement) };
+        let behind = |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack);
+        let own = picture.filter(|_| self.exact).is_some_and(|p| behind(self.sampler.first(p.x, p.y)));
+        let bound = bound_px.max(self.bound_at(occluder));
+        if own || self.near_border(occluder, center, bound) || self.around(center, bound, Some(occluder)).any(behind) {
+            return Ok(agreement);
+        }
+        let detail =
+            format!("shown at t = {:.6}, but face {} at t = {:.6} hides it", candidate.t, occluder.face.0, occluder.t);
+        Err(Difference::new(Cause::Depth, (candidate.t - occluder.t) / slack, detail))
+    }
+
+    /// A pixel that only the reference covers.
+    fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
+        let bound = self.bound_at(reference);
+        // Two rasterizers may each leave a crack between faces, whose corners are placed in frames of their own.
+        let is_edge = |q: Option<Hit>| q.is_none_or(|q| !self.exact && q.face != reference.face);
+        if self.near_border(reference, center, bound) || self.around(center, bound, Some(reference)).any(is_edge) {
+            return Ok(());
+        }
+        let detail = format!("face {} is not shown, and no edge is within {bound:.4} px", reference.face.0);
+        Err(Difference::new(Cause::Coverage, f64::INFINITY, detail))
+    }
+
+    /// S at the candidate's (u, v) is not on the pixel's ray: are u and v exchanged, or was interpolation wrong?
+    fn misplaced(&self, candidate: &Hit, center: DVec2, across_px: f64, bound_px: f64) -> Difference {
+        let surface = self.judge.model.surface(candidate.face);
+        let [[u0, u1], [v0, v1]] = surface.domain();
+        let [s, t] = [(candidate.uv.x - u0) / (u1 - u0), (candidate.uv.y - v0) / (v1 - v0)];
+        let exchanged = self.judge.picture(surface.point(u0 + (u1 - u0) * t, v0 + (v1 - v0) * s));
+        let cause = match exchanged {
+            Some(p) if p.distance(center) <= bound_px => Cause::Parameters,
+            _ => Cause::Interpolation,
+        };
+        let detail = format!("S(u, v) projects {across_px:.4} px from the pixel's centre, bound {bound_px:.4} px");
+        Difference::new(cause, across_px / bound_px, detail)
+    }
+
+    fn bound_at(&self, hit: &Hit) -> f64 {
+        self.bound_of(hit.face.0 as usize, hit.position)
+    }
+
+    /// The allowance across the ray, in pixels, for a point of a face.
+    fn bound_of(&self, face: usize, position: DVec3) -> f64 {
+        let radius = self.deviation.model_units(face);
+        self.judge.camera.pixels_within(self.judge.viewport, position, radius) + self.deviation.snap_px
+    }
+
+    /// Whether the reference draws the candidate's point somewhere within the bound: on the rings, or on a dense grid.
+    ///
+    /// A hidden layer will do: whether it may be seen is decided by itself.
+    fn is_drawn_nearby(
+        &self,
+        center: DVec2,
+        bound_px: f64,
+        reference: Option<&Hit>,
+        candidate: &Hit,
+        slack: f64,
+    ) -> bool {
+        let draws = |places: &mut dyn Iterator<Item = DVec2>| {
+            let layers: Vec<Hit> = places.flat_map(|p| self.sampler.layers(p.x, p.y)).collect();
+            layers.iter().any(|q| self.is_like(q, candidate, bound_px, slack))
+                || self.is_between(&layers, candidate, slack)
+        };
+        if draws(&mut self.places(center, bound_px, reference.or(Some(candidate)))) {
+            return true;
+        }
+        let steps = (0..=GRID).map(|i| 2.0 * i as f64 / GRID as f64 - 1.0);
+        let grid = steps.clone().flat_map(|x| steps.clone().map(move |y| DVec2::new(x, y)));
+        draws(&mut grid.filter(|offset| offset.length() <= 1.0).map(|offset| center + bound_px * offset))
+    }
+
+    /// Whether an edge of the drawing passes within the bound, and the candidate's point `s` is as near to the pixel's
+    /// ray as the chord allows: it was interpolated beyond its triangle.
+    fn is_beyond_an_edge(
+        &self,
+        center: DVec2,
+        bound_px: f64,
+        reference: Option<&Hit>,
+        candidate: &Hit,
+        s: DVec3,
+    ) -> bool {
+        let face = candidate.face.0 as usize;
+        let radius = self.deviation.edge_chord[face] + self.deviation.model_units(face);
+        let chord_px = self.judge.camera.pixels_within(self.judge.viewport, s, radius) + self.deviation.snap_px;
+        let identity = |hit: Option<Hit>| hit.map(|h| h.face);
+        self.judge.picture(s).is_some_and(|p| p.distance(center) <= chord_px)
+            && self
+                .around(center, bound_px, reference.or(Some(candidate)))
+                .any(|q| identity(q) != identity(reference.copied()))
+    }
+
+    /// Whether a sample shows the candidate's point: same face, same place in the picture and in depth.
+    fn is_like(&self, q: &Hit, candidate: &Hit, bound_px: f64, slack: f64) -> bool {
+        if q.face != candidate.face {
+            return false;
+        }
+        let [a, b] = [q, candidate].map(|hit| self.judge.picture(self.judge.surface_point(hit)));
+        let near = a.zip(b).is_some_and(|(a, b)| a.distance(b) <= bound_px);
+        near && (q.t - candidate.t).abs() <= slack
+    }
+
+    /// Whether the candidate's point lies among those of its face that the samples show: at a grazing pixel all
+    /// change fast from one position to the next.
+    fn is_between(&self, samples: &[Hit], candidate: &Hit, slack: f64) -> bool {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let parameters = |hit: &Hit| hit.uv.extend(hit.t);
+        for q in samples.iter().filter(|q| q.face == candidate.face) {
+            low = low.min(parameters(q));
+            high = high.max(parameters(q));
+        }
+        // Rounding of the interpolated parameters themselves.
+        let [u, v] = self.judge.model.surface(candidate.face).domain().map(|[start, end]| end - start);
+        let margin = DVec3::new(u * ATTRIBUTE_ULPS / 2f64.powi(24), v * ATTRIBUTE_ULPS / 2f64.powi(24), slack);
+        let p = parameters(candidate);
+        low.cmple(p + margin).all() && high.cmpge(p - margin).all()
+    }
+
+    /// What the reference sees around a position.
+    fn around<'a>(
+        &'a self,
+        center: DVec2,
+        radius: f64,
+        hit: Option<&Hit>,
+    ) -> impl Iterator<Item = Option<Hit>> + use<'a> {
+        self.places(center, radius, hit).map(move |p| self.sampler.first(p.x, p.y))
+    }
+
+    /// Positions around a position: itself, some along the picture of the hit's normal, which points straight across
+    /// a silhouette, and two rings.
+    fn places(&self, center: DVec2, radius: f64, hit: Option<&Hit>) -> impl Iterator<Item = DVec2> + use<> {
+        let camera = self.judge.camera;
+        let across = hit
+            .and_then(|hit| hit.normal.unit())
+            .map_or(DVec2::ZERO, |n| DVec2::new(n.dot(camera.right()), -n.dot(camera.above())).normalize_or_zero());
+        let ring = (0..DIRECTIONS).map(|i| DVec2::from_angle(std::f64::consts::TAU * i as f64 / DIRECTIONS as f64));
+        let offsets = [DVec2::ZERO, across, -across, 0.75 * across, -0.75 * across, 0.5 * across, -0.5 * across];
+        let offsets = offsets.into_iter().chain(ring.flat_map(|d| [d, 0.5 * d]));
+        offsets.map(move |offset| center + radius * offset)
+    }
+
+    /// Whether a border of the hit's face passes within `radius` pixels of a position, or the near plane cuts it there.
+    fn near_border(&self, hit: &Hit, center: DVec2, radius: f64) -> bool {
+        let beyond_near = self.judge.camera.depth(hit.position) - self.judge.camera.near();
+        if beyond_near <= self.deviation.model_units(hit.face.0 as usize) {
+            return true;
+        }
+        let surface = self.judge.model.surface(hit.face);
+        let [[u0, u1], [v0, v1]] = surface.domain();
+        let DVec2 { x: u, y: v } = hit.uv;
+        [(u0, v), (u1, v), (u, v0), (u, v1)].into_iter().any(|(s, t)| {
+            // Slide along the border to where it is nearest in the picture.
+            let mut place = DVec2::new(s, t);
+            let along_u = s == u;
+            for _ in 0..4 {
+                let d = surface.first_derivatives(place.x, place.y);
+                let tangent = if along_u { d.su } else { d.sv };
+                let (Some(at), Some(next)) = (self.judge.picture(d.s), self.judge.picture(d.s + tangent * 1e-6)) else {
+                    return false;
+                };
+                if at.distance(center) <= radius {
+                    return true;
+                }
+                let direction = (next - at) / 1e-6;
+                let step = (center - at).dot(direction) / direction.length_squared();
+                if !step.is_finite() {
+                    return false;
+                }
+                if along_u {
+                    place.x = (place.x + step).clamp(u0, u1);
+                } else {
+                    place.y = (place.y + step).clamp(v0, v1);
+                }
+            }
+            false
+        })
+    }
+
+    /// Whether the reference's own picture changes within the bound of a pixel's centre.
+    pub fn is_partial(&self, x: usize, y: usize, center: DVec2) -> bool {
+        let (width, height) = (self.judge.viewport.width(), self.judge.viewport.height());
+        let own = self.reference.get(x, y);
+        let identity = |hit: Option<&Hit>| hit.map(|h| h.face);
+        let neighbours = (y.saturating_sub(1)..(y + 2).min(height))
+            .flat_map(|j| (x.saturating_sub(1)..(x + 2).min(width)).map(move |i| (i, j)));
+        let mut shown: Vec<Option<&Hit>> = neighbours.map(|(i, j)| self.reference.get(i, j)).collect();
+        shown.push(self.candidate.get(x, y));
+        if shown.iter().all(|hit| identity(*hit) == identity(own)) {
+            return false;
+        }
+        let bound = shown.iter().flatten().fold(self.deviation.snap_px, |b: f64, hit| b.max(self.bound_at(hit)));
+        self.around(center, bound, own).any(|q| identity(q.as_ref()) != identity(own))
+    }
+}
