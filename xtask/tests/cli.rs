@@ -72,6 +72,7 @@ fn bad_views_are_refused_with_the_value() {
     refused(&["compare", "--size", "0x64"], &["0x64"]);
     refused(&["compare", "--size", "large"], &["large"]);
     refused(&["compare", "--size", "99999999x99999999"], &["99999999"]);
+    refused(&["compare", "--size", "16384x16384"], &["16384x16384"]);
     refused(&["render", "--fov", "180"], &["180"]);
     refused(&["render", "--ortho", "-1"], &["-1"]);
     refused(&["render", "--eye", "0", "0", "1", "--target", "0", "0", "1"], &["coincide"]);

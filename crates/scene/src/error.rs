@@ -1,6 +1,6 @@
 //! What can be wrong with a scene.
 
-use crate::MAX_SIDE;
+use crate::{MAX_PIXELS, MAX_SIDE};
 
 /// Why a model, camera or viewport could not be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -19,8 +19,10 @@ pub enum SceneError {
         /// Number of surfaces.
         count: usize,
     },
-    /// Width or height is zero or above [`MAX_SIDE`].
-    #[error("a viewport of {width}x{height} pixels: each side must be 1 to {MAX_SIDE}")]
+    /// Width or height is zero or above [`MAX_SIDE`], or there are more than [`MAX_PIXELS`] pixels.
+    #[error(
+        "a viewport of {width}x{height} pixels: each side must be 1 to {MAX_SIDE}, and both at most {MAX_PIXELS} pixels"
+    )]
     Viewport {
         /// Width in pixels.
         width: usize,

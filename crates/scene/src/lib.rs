@@ -10,4 +10,4 @@ pub use camera::{Camera, Projection, Ray};
 pub use error::SceneError;
 pub use face::{Face, FaceId, Loop, Trim};
 pub use model::Model;
-pub use viewport::{MAX_SIDE, Viewport};
+pub use viewport::{MAX_PIXELS, MAX_SIDE, Viewport};
