@@ -8,7 +8,7 @@ use scene::Model;
 pub const SNAP_PX: f64 = 1.0 / 256.0;
 
 /// Interpolated parameters may be off by this many units of 2⁻²⁴ of the domain: WGSL states no accuracy of
-/// interpolation. Measured: see the bound's share in the reports.
+/// interpolation. Of the models of the conformance tests, none needs more on llvmpipe or an H100.
 pub const ATTRIBUTE_ULPS: f64 = 16.0;
 
 /// The allowance of a pair of renderers.

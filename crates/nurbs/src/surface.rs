@@ -216,15 +216,27 @@ impl Surface {
         let nu = basis::<C, false>(&self.knots[0], p, span_u, u);
         let nv = basis::<C, false>(&self.knots[1], q, span_v, v);
         let [mut a, mut a_u, mut a_v] = [[0.0; 4]; 3];
-        for i in 0..=p {
-            let [mut row, mut row_v] = [[0.0; 4]; 2];
-            for (j, c) in self.row(span_u - p + i, span_v - q, q).iter().enumerate() {
-                add_scaled(&mut row, nv.value[j], c);
-                add_scaled(&mut row_v, nv.first[j], c);
+        let columns = self.knots[1].control_count();
+        let first = (span_u - p) * columns + span_v - q;
+        let net = &self.local[first..first + p * columns + q + 1];
+        // Two components at a time, so that all running sums stay in registers.
+        for half in [0, 2] {
+            let [mut sum, mut sum_u, mut sum_v] = [[0.0; 2]; 3];
+            for i in 0..=p {
+                let points = &net[i * columns..][..q + 1];
+                let [mut row, mut row_v] = [[0.0; 2]; 2];
+                for j in 0..=q {
+                    let c = [points[j][half], points[j][half + 1]];
+                    add_scaled(&mut row, nv.value[j], &c);
+                    add_scaled(&mut row_v, nv.first[j], &c);
+                }
+                add_scaled(&mut sum, nu.value[i], &row);
+                add_scaled(&mut sum_u, nu.first[i], &row);
+                add_scaled(&mut sum_v, nu.value[i], &row_v);
             }
-            add_scaled(&mut a, nu.value[i], &row);
-            add_scaled(&mut a_u, nu.first[i], &row);
-            add_scaled(&mut a_v, nu.value[i], &row_v);
+            a[half..half + 2].copy_from_slice(&sum);
+            a_u[half..half + 2].copy_from_slice(&sum_u);
+            a_v[half..half + 2].copy_from_slice(&sum_v);
         }
         let [a, a_u, a_v] = [a, a_u, a_v].map(DVec4::from_array);
         if self.weights.is_none() {
@@ -462,8 +474,8 @@ fn bezier_points(knots: &KnotVector, span: usize, control: &[DVec4], [a, b]: [f6
 }
 
 #[inline(always)]
-fn add_scaled(sum: &mut [f64; 4], scale: f64, x: &[f64; 4]) {
-    for c in 0..4 {
+fn add_scaled<const N: usize>(sum: &mut [f64; N], scale: f64, x: &[f64; N]) {
+    for c in 0..N {
         sum[c] += scale * x[c];
     }
 }
