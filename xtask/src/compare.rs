@@ -247,7 +247,7 @@ fn difference(stage: &Stage, a: &GBuffer, b: &GBuffer) -> Picture {
     let value = |x: usize, y: usize| match (a.get(x, y), b.get(x, y)) {
         (None, None) => None,
         (Some(a), Some(b)) => {
-            let depth = (a.position - stage.camera.eye()).dot(stage.camera.forward()).max(stage.camera.near());
+            let depth = stage.camera.depth(a.position).max(stage.camera.near());
             let pixels =
                 a.position.distance(b.position) * stage.camera.pixels_per_unit(viewport, depth.max(f64::MIN_POSITIVE));
             Some(pixels.max(1e-6).log10())

@@ -113,7 +113,7 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) {
         })
     });
     row("chord bound, px", &|hit| {
-        let depth = (hit.position - stage.camera.eye()).dot(stage.camera.forward()).max(f64::MIN_POSITIVE);
+        let depth = stage.camera.depth(hit.position).max(f64::MIN_POSITIVE);
         format!("{:.6}", stage.proxy.chord[hit.face.0 as usize] * stage.camera.pixels_per_unit(stage.viewport, depth))
     });
     println!("{table}");

@@ -184,10 +184,7 @@ impl PackedScene {
     /// How each face is seen by a camera.
     pub fn views(&self, model: &Model, camera: &Camera, viewport: Viewport) -> Vec<View> {
         let hull = model.hull();
-        let farthest = hull
-            .corners()
-            .iter()
-            .fold(camera.near(), |far: f64, corner| far.max((*corner - camera.eye()).dot(camera.forward())));
+        let farthest = hull.corners().iter().fold(camera.near(), |far: f64, corner| far.max(camera.depth(*corner)));
         // Twice the depth needed, so that no rounding pushes the farthest point behind the far plane.
         let range = 2.0 * (farthest - camera.near()).max(hull.diagonal()).max(f64::MIN_POSITIVE);
         let clip_from_world = camera.clip_from_world(viewport, range);

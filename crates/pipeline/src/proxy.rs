@@ -60,7 +60,7 @@ pub struct Proxy {
     pub chord: Vec<f64>,
 }
 
-/// Parameters of the grid lines of one direction, local (0 … 1), and the widest cell in each knot span.
+/// Parameters of the grid lines of one direction, local (0 … 1), ascending.
 struct Lines {
     local: Vec<f32>,
 }
@@ -87,10 +87,8 @@ impl Proxy {
         }
         let allowed = |surface: &Surface| {
             let hull = surface.hull();
-            let nearest = hull
-                .corners()
-                .iter()
-                .fold(f64::INFINITY, |near: f64, corner| near.min((*corner - camera.eye()).dot(camera.forward())));
+            let nearest =
+                hull.corners().iter().fold(f64::INFINITY, |near: f64, corner| near.min(camera.depth(*corner)));
             let nearest = nearest.max(camera.near()).max(hull.diagonal() * NEAREST_SHARE);
             chord_px / camera.pixels_per_unit(viewport, nearest.max(f64::MIN_POSITIVE))
         };
