@@ -3,11 +3,11 @@
 use compare::{Cause, PairReport, Verdict};
 use glam::DVec3;
 use nurbs::{KnotVector, Surface};
+use pipeline::Proxy;
 use pipeline::wgsl::{self, Variant};
-use pipeline::{Proxy, Scheme};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
-use xtask::stage::Stage;
+use xtask::stage::{Plan, Stage};
 
 const SIDE: usize = 64;
 
@@ -144,7 +144,7 @@ fn compare(scene: fn(Viewport) -> Shown, overrides: gpu::Overrides) -> PairRepor
     let viewport = Viewport::new(SIDE, SIDE).expect("a legal size");
     let Shown { model, camera, cells } = scene(viewport);
     let device = gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`");
-    let mut stage = Stage::new(&model, camera, viewport, Scheme::Specialised, 0.5).expect("a stage");
+    let mut stage = Stage::new(&model, camera, viewport, Plan { chord_px: 0.5, ..Plan::default() }).expect("a stage");
     if let Some(cells) = cells {
         stage.proxy = Proxy::uniform(&model, &stage.scene, cells).expect("few triangles");
     }

@@ -3,10 +3,10 @@
 use compare::{PairReport, Verdict};
 use gbuffer::{ShadeKind, Shading};
 use glam::DVec3;
-use pipeline::{DEFAULT_CHORD_PX, Scheme};
+use pipeline::Scheme;
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
-use xtask::stage::Stage;
+use xtask::stage::{Plan, Stage};
 
 /// Side of the pictures: software Vulkan is slow at small triangles with heavy fragments.
 const SIDE: usize = 72;
@@ -69,7 +69,7 @@ fn three_renderers_agree_on_every_model_from_everywhere() {
         let model = formats::builtin(name).expect("built in");
         let caster = Caster::new(&model);
         for (view, camera) in cameras(&model, viewport) {
-            let stage = Stage::new(&model, camera, viewport, Scheme::Specialised, DEFAULT_CHORD_PX).expect("a stage");
+            let stage = Stage::new(&model, camera, viewport, Plan::default()).expect("a stage");
             let raycast = stage.raycast(&caster);
             // An orthographic picture from inside may see nothing; there is then nothing to agree on.
             if raycast.covered() == 0 {
@@ -104,7 +104,7 @@ fn the_general_program_and_the_specialised_ones_give_the_same_answer() {
         let model = formats::builtin(name).expect("built in");
         let camera = Camera::framing(&model, viewport);
         let stages = [Scheme::Specialised, Scheme::General]
-            .map(|scheme| Stage::new(&model, camera, viewport, scheme, DEFAULT_CHORD_PX).expect("a stage"));
+            .map(|scheme| Stage::new(&model, camera, viewport, Plan { scheme, ..Plan::default() }).expect("a stage"));
         let mut specialised = stages[0].raster();
         let general = stages[1].gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer;
         let pair = stages[1].against_raster(&specialised, &general).expect("comparable");
@@ -136,7 +136,7 @@ fn real_models_that_need_another_eye_agree_too() {
         let model = formats::read(file).expect("a readable case");
         let caster = Caster::new(&model);
         let camera = Camera::framing(&model, viewport);
-        let stage = Stage::new(&model, camera, viewport, Scheme::Specialised, DEFAULT_CHORD_PX).expect("a stage");
+        let stage = Stage::new(&model, camera, viewport, Plan::default()).expect("a stage");
         let (raycast, raster) = (stage.raycast(&caster), stage.raster());
         let on_gpu = stage.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer;
         let pairs = [

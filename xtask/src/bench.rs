@@ -2,7 +2,7 @@
 
 use crate::compare::DrawingArgs;
 use crate::format::Format;
-use crate::stage::Stage;
+use crate::stage::{Plan, Stage};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
@@ -106,7 +106,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let models: Vec<(Model, usize, f64)> =
         TABLE_1.iter().map(|&(name, cells, fps)| (formats::builtin(name).expect("built in"), cells, fps)).collect();
     for (model, _, _) in &models {
-        agree(model, device.as_ref(), args.drawing.scheme())?;
+        agree(model, device.as_ref(), args.drawing.plan().scheme)?;
     }
     let rational = formats::builtin("rational").expect("built in");
     let points = points();
@@ -144,9 +144,16 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         casting[1].values.push(cast(&caster, &grazing));
         for ((model, cells, _), [raster, on_gpu]) in models.iter().zip(&mut drawing) {
             let cameras = turning(model, viewport, usize::from(args.frames), f64::from(round));
-            raster.values.push(frames_on_cpu(model, *cells, &cameras[..1], viewport, args.drawing.scheme())?);
+            raster.values.push(frames_on_cpu(model, *cells, &cameras[..1], viewport, args.drawing.plan().scheme)?);
             if let Some(device) = &device {
-                on_gpu.values.push(frames_on_gpu(device, model, *cells, &cameras, viewport, args.drawing.scheme())?);
+                on_gpu.values.push(frames_on_gpu(
+                    device,
+                    model,
+                    *cells,
+                    &cameras,
+                    viewport,
+                    args.drawing.plan().scheme,
+                )?);
             }
         }
         bar.inc(1);
@@ -191,7 +198,7 @@ fn print(args: &BenchArgs, adapter: Option<&str>, figures: &[Figure]) -> Result<
 /// Renderers whose pictures disagree are not timed.
 fn agree(model: &Model, device: Option<&gpu::Device>, scheme: Scheme) -> Result<()> {
     let viewport = Viewport::new(CHECK, CHECK)?;
-    let stage = Stage::new(model, Camera::framing(model, viewport), viewport, scheme, pipeline::DEFAULT_CHORD_PX)?;
+    let stage = Stage::new(model, Camera::framing(model, viewport), viewport, Plan { scheme, ..Plan::default() })?;
     let caster = Caster::new(model);
     let (raycast, raster) = (stage.raycast(&caster), stage.raster());
     let mut pairs = vec![stage.against_raycast(&caster, &raycast, &raster)?];

@@ -1,11 +1,11 @@
 //! `bless`: the goldens of the CPU rasterizer.
 
-use crate::stage::Stage;
+use crate::stage::{Plan, Stage};
 use anyhow::{Context, Result};
 use clap::Args;
 use gbuffer::GBuffer;
 use glam::DVec3;
-use pipeline::{DEFAULT_CHORD_PX, Scheme};
+use pipeline::Scheme;
 use scene::{Camera, Model, Projection, Viewport};
 use std::path::PathBuf;
 
@@ -62,7 +62,7 @@ impl Golden {
                 Camera::look_at(DVec3::from_array(eye), DVec3::from_array(target), DVec3::Y, projection)?
             }
         };
-        let stage = Stage::new(model, camera, viewport, self.scheme, DEFAULT_CHORD_PX)?;
+        let stage = Stage::new(model, camera, viewport, Plan { scheme: self.scheme, ..Plan::default() })?;
         Ok(stage.raster())
     }
 

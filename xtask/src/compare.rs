@@ -2,7 +2,7 @@
 
 use crate::format::Format;
 use crate::info::TRIM_NOTE;
-use crate::stage::{FRAGMENT, Rendered, ShadedReport, Stage};
+use crate::stage::{Plan, Rendered, ShadedReport, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use anyhow::{Context, Result};
@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 use comfy_table::{Attribute, Cell, Color, Table, presets::UTF8_FULL_CONDENSED};
 use compare::{PairReport, Verdict};
 use gbuffer::{GBuffer, Picture, ShadeKind, Shading};
-use pipeline::{DEFAULT_CHORD_PX, Scheme};
+use pipeline::{DEFAULT_CHORD_PX, Scheme, Technique};
 use raycast::Caster;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -46,13 +46,13 @@ pub struct CompareArgs {
 pub struct DrawingArgs {
     /// Where the surface is evaluated
     #[arg(long, value_enum, default_value = "fragment")]
-    technique: Technique,
+    technique: TechniqueName,
     /// Programs of a few specialised degrees, or one for any
     #[arg(long, value_enum, default_value = "specialised")]
     scheme: SchemeName,
     /// Chord error of the tessellation, pixels
     #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, allow_negative_numbers = true)]
-    pub chord: f64,
+    chord: f64,
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -60,7 +60,7 @@ pub struct DrawingArgs {
 
 /// Where the surface is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Technique {
+enum TechniqueName {
     /// A coarse tessellation carries (u, v, face); each fragment evaluates the surface (Kanai 2007)
     Fragment,
 }
@@ -111,12 +111,16 @@ impl Shade {
 }
 
 impl DrawingArgs {
-    /// The scheme of programs.
-    pub fn scheme(&self) -> Scheme {
-        match self.scheme {
+    /// The same in the renderers' own words.
+    pub fn plan(&self) -> Plan {
+        let technique = match self.technique {
+            TechniqueName::Fragment => Technique::Fragment,
+        };
+        let scheme = match self.scheme {
             SchemeName::Specialised => Scheme::Specialised,
             SchemeName::General => Scheme::General,
-        }
+        };
+        Plan { technique, scheme, chord_px: self.chord }
     }
 }
 
@@ -146,7 +150,7 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
-    let stage = Stage::new(&model, camera, viewport, args.drawing.scheme(), args.drawing.chord)?;
+    let stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
     let caster = Caster::new(&model);
     let shading = args.shade.shading();
     let rendered = stage.render(&caster, args.drawing.adapter.as_deref(), Some(&shading));
@@ -161,7 +165,7 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     let meta = rendered.gpu.as_ref().ok().map(|gpu| gpu.gbuffer.meta());
     let report = Report {
         model: model.name(),
-        technique: FRAGMENT,
+        technique: stage.plan.technique.name(),
         size: [viewport.width(), viewport.height()],
         adapter: meta.and_then(|m| m.adapter.as_deref()),
         driver: meta.and_then(|m| m.driver.as_deref()),

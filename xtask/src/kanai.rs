@@ -64,7 +64,7 @@ pub fn run(args: &KanaiArgs) -> Result<()> {
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
-    let mut stage = Stage::new(&model, camera, viewport, args.drawing.scheme(), args.drawing.chord)?;
+    let mut stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
     stage.proxy = Proxy::uniform(&model, &stage.scene, usize::from(args.cells))?;
     let [vertex, fragment] = buffers(&stage);
     let exact = stage.raycast(&Caster::new(&model));

@@ -43,7 +43,7 @@ pub fn run(args: &PixelArgs) -> Result<ExitCode> {
     if x >= viewport.width() || y >= viewport.height() {
         bail!("pixel ({x}, {y}) is outside the picture of {}x{}", viewport.width(), viewport.height());
     }
-    let stage = Stage::new(&model, camera, viewport, args.drawing.scheme(), args.drawing.chord)?;
+    let stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
     let caster = Caster::new(&model);
     let rendered = stage.render(&caster, args.drawing.adapter.as_deref(), None);
     let ray = camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5);

@@ -55,7 +55,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
-    let stage = || Stage::new(&model, camera, viewport, args.drawing.scheme(), args.drawing.chord);
+    let stage = || Stage::new(&model, camera, viewport, args.drawing.plan());
     let buffer = match args.with {
         With::Raster => stage()?.raster(),
         With::Gpu => {

@@ -4,14 +4,11 @@ use crate::terminal;
 use anyhow::{Result, bail};
 use compare::{Deviation, Judge, PairReport, Sampler, ToleranceModel, Verdict};
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, shade_tolerant};
-use pipeline::{PackedScene, Proxy, Scheme, View};
+use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
 use raster::{Drawing, PointSampler, Rasterizer};
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Viewport};
 use serde::Serialize;
-
-/// The technique that exists so far.
-pub const FRAGMENT: &str = "fragment";
 
 /// A colour shaded on the GPU may differ from that of its own G-buffer by this much in a channel: one step of
 /// rounding to 8 bits on either side.
@@ -21,6 +18,23 @@ const COLOUR_STEPS: u8 = 2;
 /// view direction of the fragment stage comes from an interpolated position.
 const VIEW_ULPS: f32 = 128.0;
 
+/// How a model is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// Where the surface is evaluated.
+    pub technique: Technique,
+    /// Which programs evaluate it.
+    pub scheme: Scheme,
+    /// Chord error of a tessellation, pixels.
+    pub chord_px: f64,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self { technique: Technique::default(), scheme: Scheme::default(), chord_px: DEFAULT_CHORD_PX }
+    }
+}
+
 /// A model with a camera, packed and tessellated.
 pub struct Stage<'m> {
     /// The model.
@@ -29,6 +43,8 @@ pub struct Stage<'m> {
     pub camera: Camera,
     /// At how many pixels.
     pub viewport: Viewport,
+    /// How it is drawn.
+    pub plan: Plan,
     /// The faces in f32.
     pub scene: PackedScene,
     /// Their triangles.
@@ -98,11 +114,11 @@ impl<'m> Stage<'m> {
     ///
     /// # Errors
     /// Where the model cannot be packed or the chord error asks for too many triangles.
-    pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, scheme: Scheme, chord_px: f64) -> Result<Self> {
-        let scene = PackedScene::new(model, scheme)?;
-        let proxy = Proxy::tessellated(model, &scene, &camera, viewport, chord_px)?;
+    pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, plan: Plan) -> Result<Self> {
+        let scene = PackedScene::new(model, plan.scheme)?;
+        let proxy = Proxy::tessellated(model, &scene, &camera, viewport, plan.chord_px)?;
         let views = scene.views(model, &camera, viewport);
-        Ok(Self { model, camera, viewport, scene, proxy, views })
+        Ok(Self { model, camera, viewport, plan, scene, proxy, views })
     }
 
     /// The rasterizer of this stage.
@@ -113,7 +129,7 @@ impl<'m> Stage<'m> {
 
     /// The facts that go with a buffer of this stage.
     pub fn meta(&self, renderer: &str) -> Meta {
-        Meta::new(renderer, FRAGMENT, self.model, &self.camera)
+        Meta::new(renderer, self.plan.technique.name(), self.model, &self.camera)
     }
 
     /// The CPU's G-buffer.

@@ -9,9 +9,11 @@ mod lanes;
 mod layout;
 mod pack;
 mod proxy;
+mod technique;
 pub mod wgsl;
 
 pub use lanes::Lanes;
 pub use layout::{FaceRecord, RATIONAL, REVERSED, Vertex, View};
 pub use pack::{PackError, PackedFrame, PackedScene, Program, Scheme};
 pub use proxy::{Batch, DEFAULT_CHORD_PX, Proxy, ProxyError};
+pub use technique::Technique;
