@@ -46,7 +46,7 @@ fn differences(term: ptr<function, array<f32, CAPACITY>>, p: u32) -> array<f32, 
     return d;
 }
 
-fn basis(first_knot: u32, p: u32, span: u32, t: f32) -> Basis {
+fn basis(first_knot: u32, p: u32, span: u32, t: f32, second: bool) -> Basis {
     var b: Basis;
     var term: array<f32, CAPACITY>;
     var reciprocal: array<f32, CAPACITY>;
@@ -62,12 +62,12 @@ fn basis(first_knot: u32, p: u32, span: u32, t: f32) -> Basis {
             saved = (t - left) * term[r];
         }
         b.value[j] = saved;
-        if (CURVATURE && j + 1u == p) {
+        if (second && j + 1u == p) {
             b.second = differences(&term, j);
         }
     }
     b.first = differences(&term, p);
-    if (CURVATURE) {
+    if (second) {
         for (var r = 0u; r < p; r++) {
             term[r] = b.second[r] * reciprocal[r];
         }
@@ -76,7 +76,7 @@ fn basis(first_knot: u32, p: u32, span: u32, t: f32) -> Basis {
     return b;
 }
 
-fn surface(face: FaceRecord, p: u32, q: u32, span_u: u32, span_v: u32, nu: ptr<function, Basis>, nv: ptr<function, Basis>) -> Derivatives {
+fn surface(face: FaceRecord, p: u32, q: u32, span_u: u32, span_v: u32, nu: ptr<function, Basis>, nv: ptr<function, Basis>, second: bool) -> Derivatives {
     var a = vec4<f32>();
     var a_u = vec4<f32>();
     var a_v = vec4<f32>();
@@ -92,14 +92,14 @@ fn surface(face: FaceRecord, p: u32, q: u32, span_u: u32, span_v: u32, nu: ptr<f
             let point = points[first + j];
             row = row + (*nv).value[j] * point;
             row_v = row_v + (*nv).first[j] * point;
-            if (CURVATURE) {
+            if (second) {
                 row_vv = row_vv + (*nv).second[j] * point;
             }
         }
         a = a + (*nu).value[i] * row;
         a_u = a_u + (*nu).first[i] * row;
         a_v = a_v + (*nu).value[i] * row_v;
-        if (CURVATURE) {
+        if (second) {
             a_uu = a_uu + (*nu).second[i] * row;
             a_uv = a_uv + (*nu).first[i] * row_v;
             a_vv = a_vv + (*nu).value[i] * row_vv;
@@ -111,7 +111,7 @@ fn surface(face: FaceRecord, p: u32, q: u32, span_u: u32, span_v: u32, nu: ptr<f
         d.s = d.s * w;
         d.su = (d.su - d.s * a_u.w) * w;
         d.sv = (d.sv - d.s * a_v.w) * w;
-        if (CURVATURE) {
+        if (second) {
             d.suu = (d.suu - d.su * (2.0 * a_u.w) - d.s * a_uu.w) * w;
             d.suv = (d.suv - d.sv * a_u.w - d.su * a_v.w - d.s * a_uv.w) * w;
             d.svv = (d.svv - d.sv * (2.0 * a_v.w) - d.s * a_vv.w) * w;

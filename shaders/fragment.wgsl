@@ -21,9 +21,9 @@ fn fragment(face_id: u32, uv_interpolated: vec2<f32>) -> Fragment {
     let q = degree(face.degree_v);
     let span_u = find_span(face.knots_u, p, face.count_u, face.last_u, uv.x);
     let span_v = find_span(face.knots_v, q, face.count_v, face.last_v, uv.y);
-    var nu = basis(face.knots_u, p, span_u, uv.x);
-    var nv = basis(face.knots_v, q, span_v, uv.y);
-    let d = surface(face, p, q, span_u, span_v, &nu, &nv);
+    var nu = basis(face.knots_u, p, span_u, uv.x, CURVATURE);
+    var nv = basis(face.knots_v, q, span_v, uv.y, CURVATURE);
+    let d = surface(face, p, q, span_u, span_v, &nu, &nv, CURVATURE);
     var n = cross(d.su, d.sv);
     let n_squared = dot(n, n);
     let su_squared = dot(d.su, d.su);

@@ -20,7 +20,17 @@ struct FaceRecord {
 struct View {
     clip_from_local: mat4x4<f32>,
     eye: vec4<f32>,
-    curvature: vec4<f32>,
+    units: vec4<f32>,
+}
+
+struct PieceRecord {
+    hull_from_local: array<vec4<f32>, 3>,
+    flat: vec4<f32>,
+    rectangle: vec4<f32>,
+    face: u32,
+    span_u: u32,
+    span_v: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<storage, read> faces: array<FaceRecord>;

@@ -101,8 +101,8 @@ const FAULTS: &[Fault] = &[
     Fault {
         name: "swapped u and v in the evaluation alone",
         replace: &[
-            ("basis(face.knots_u, p, span_u, uv.x)", "basis(face.knots_u, p, span_u, uv.y)"),
-            ("basis(face.knots_v, q, span_v, uv.y)", "basis(face.knots_v, q, span_v, uv.x)"),
+            ("basis(face.knots_u, p, span_u, uv.x,", "basis(face.knots_u, p, span_u, uv.y,"),
+            ("basis(face.knots_v, q, span_v, uv.y,", "basis(face.knots_v, q, span_v, uv.x,"),
         ],
         scene: bicubic,
         cause: Cause::Parameters,

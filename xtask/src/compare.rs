@@ -63,6 +63,8 @@ pub struct DrawingArgs {
 enum TechniqueName {
     /// A coarse tessellation carries (u, v, face); each fragment evaluates the surface (Kanai 2007)
     Fragment,
+    /// Hulls of nearly flat pieces; each fragment solves for the point on its pixel's ray
+    Exact,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -115,6 +117,7 @@ impl DrawingArgs {
     pub fn plan(&self) -> Plan {
         let technique = match self.technique {
             TechniqueName::Fragment => Technique::Fragment,
+            TechniqueName::Exact => Technique::Exact,
         };
         let scheme = match self.scheme {
             SchemeName::Specialised => Scheme::Specialised,

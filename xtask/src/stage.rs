@@ -116,7 +116,10 @@ impl<'m> Stage<'m> {
     /// Where the model cannot be packed or the chord error asks for too many triangles.
     pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, plan: Plan) -> Result<Self> {
         let scene = PackedScene::new(model, plan.scheme)?;
-        let proxy = Proxy::tessellated(model, &scene, &camera, viewport, plan.chord_px)?;
+        let proxy = match plan.technique {
+            Technique::Fragment => Proxy::tessellated(model, &scene, &camera, viewport, plan.chord_px)?,
+            Technique::Exact => Proxy::hulls(model, &scene, &camera, viewport)?,
+        };
         let views = scene.views(model, &camera, viewport);
         Ok(Self { model, camera, viewport, plan, scene, proxy, views })
     }
@@ -191,7 +194,10 @@ impl<'m> Stage<'m> {
     /// Where the buffers cannot be compared.
     pub fn against_raycast(&self, caster: &Caster, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
         let sampler = Rays { stage: self, caster };
-        let deviation = Deviation::of_proxy(self.model, &self.proxy.chord);
+        let deviation = match self.plan.technique {
+            Technique::Fragment => Deviation::of_proxy(self.model, &self.proxy.chord),
+            Technique::Exact => Deviation::exact(self.model),
+        };
         self.pair(reference, &sampler, candidate, &deviation, true)
     }
 
@@ -202,7 +208,10 @@ impl<'m> Stage<'m> {
     pub fn against_raster(&self, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
         let rasterizer = self.rasterizer(raster::Options { curvature: false, interpolated_normals: false });
         let sampler = Triangles(rasterizer.sampler());
-        let deviation = Deviation::of_same_proxy(self.model, &self.proxy.chord);
+        let deviation = match self.plan.technique {
+            Technique::Fragment => Deviation::of_same_proxy(self.model, &self.proxy.chord),
+            Technique::Exact => Deviation::both_exact(self.model),
+        };
         self.pair(reference, &sampler, candidate, &deviation, false)
     }
 

@@ -7,6 +7,9 @@ use scene::Model;
 /// the other half up to 16384 pixels.
 pub const SNAP_PX: f64 = 1.0 / 256.0;
 
+/// How far from the pixel's centre the point may lie that a renderer found by solving for it, pixels.
+pub const EXACT_PX: f64 = 0.01;
+
 /// Interpolated parameters may be off by this many units of 2⁻²⁴ of the domain: WGSL states no accuracy of
 /// interpolation. Of the models of the conformance tests, none needs more on llvmpipe or an H100.
 pub const ATTRIBUTE_ULPS: f64 = 16.0;
@@ -23,7 +26,7 @@ pub struct Deviation {
     pub edge_chord: Vec<f64>,
     /// Per face: what the accuracy of interpolated parameters amounts to, model units.
     pub attribute: Vec<f64>,
-    /// Pixels: snapping of vertices.
+    /// Pixels: snapping of vertices, or what an exact renderer is allowed.
     pub snap_px: f64,
     /// The first three in words.
     pub text: String,
@@ -57,6 +60,22 @@ impl Deviation {
                 2.0 * SNAP_PX
             ),
         }
+    }
+
+    /// A renderer that finds the point on the pixel's ray itself, against the surface: [`EXACT_PX`] and nothing else.
+    pub fn exact(model: &Model) -> Self {
+        Self::within(model, EXACT_PX, "position on the pixel's ray")
+    }
+
+    /// Two such renderers.
+    pub fn both_exact(model: &Model) -> Self {
+        Self::within(model, 2.0 * EXACT_PX, "position on the pixel's ray, twice")
+    }
+
+    fn within(model: &Model, px: f64, of: &str) -> Self {
+        let none = vec![0.0; model.faces().len()];
+        let text = format!("{px} px of {of}");
+        Self { chord: none.clone(), edge_chord: none.clone(), attribute: none, snap_px: px, text }
     }
 
     /// The allowance in model units at face `face`.

@@ -80,6 +80,14 @@ pub enum GpuError {
         /// How long was waited.
         limit: Duration,
     },
+    /// A proxy of another technique than that for which a renderer was made.
+    #[error("the renderer draws by technique {expected}, the proxy is of technique {found}")]
+    Technique {
+        /// Name of the renderer's technique.
+        expected: &'static str,
+        /// Name of the proxy's.
+        found: &'static str,
+    },
     /// Another number of views than of faces.
     #[error("{found} views for a scene of {expected} faces")]
     ViewCount {

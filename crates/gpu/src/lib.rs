@@ -9,6 +9,7 @@ mod buffers;
 mod device;
 mod error;
 mod pass;
+mod pieces;
 mod probe;
 mod readback;
 

@@ -2,12 +2,13 @@
 
 use crate::buffers::{ProxyBuffers, SceneBuffers, vertex_layout};
 use crate::device::plain;
+use crate::pieces::{PieceBuffers, Unconverged};
 use crate::readback::{CLEARED, Record, Rows};
 use crate::{Device, GpuError};
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeUniform, background};
 use pipeline::fragment::Fragment;
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, Program, Proxy, View};
+use pipeline::{PackedScene, Program, Proxy, Technique, View};
 use scene::{Camera, Viewport};
 use std::collections::VecDeque;
 use std::collections::hash_map::{Entry, HashMap};
@@ -117,6 +118,8 @@ struct Targets {
     colours: Vec<wgpu::Texture>,
     colour_views: Vec<wgpu::TextureView>,
     depth_view: wgpu::TextureView,
+    /// Technique `exact` alone.
+    unconverged: Option<Unconverged>,
 }
 
 /// A scene on a device, ready to be drawn from any camera.
@@ -127,6 +130,9 @@ pub struct Renderer<'a> {
     depth: DepthOrder,
     buffers: SceneBuffers,
     proxy: ProxyBuffers,
+    technique: Technique,
+    /// Technique `exact` alone.
+    pieces: Option<PieceBuffers>,
     layout: wgpu::PipelineLayout,
     modules: HashMap<Program, wgpu::ShaderModule>,
     /// Made when first drawn with: a driver may take seconds to compile one.
@@ -147,18 +153,25 @@ impl<'a> Renderer<'a> {
     ) -> Result<Self, GpuError> {
         let RendererOptions { curvature, interpolated_normals, overrides } = options;
         let buffers = SceneBuffers::new(device, scene, ShaderStages::VERTEX_FRAGMENT)?;
+        let technique = proxy.technique();
+        let pieces = match technique {
+            Technique::Fragment => None,
+            Technique::Exact => Some(PieceBuffers::new(device, &proxy.pieces)?),
+        };
         let proxy = ProxyBuffers::new(device, proxy)?;
+        let groups: Vec<_> =
+            [&buffers.layout].into_iter().chain(pieces.as_ref().map(|p| &p.layout)).map(Some).collect();
         let layout = device.guarded("setting up", || {
             device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("scene"),
-                bind_group_layouts: &[Some(&buffers.layout)],
+                bind_group_layouts: &groups,
                 immediate_size: 0,
             })
         })?;
         let mut modules = HashMap::new();
         for &program in &scene.programs {
             if let Entry::Vacant(vacant) = modules.entry(program) {
-                let variant = Variant { program, curvature, interpolated_normal: interpolated_normals };
+                let variant = Variant { technique, program, curvature, interpolated_normal: interpolated_normals };
                 let source = overrides.source.map_or_else(|| wgsl::source(variant), |source| source(variant));
                 vacant.insert(device.module(program, source)?);
             }
@@ -170,6 +183,8 @@ impl<'a> Renderer<'a> {
             depth: overrides.depth,
             buffers,
             proxy,
+            technique,
+            pieces,
             layout,
             modules,
             pipelines: HashMap::new(),
@@ -179,15 +194,22 @@ impl<'a> Renderer<'a> {
     /// Draws the scene with other triangles from now on; they must be of the same scene.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// As [`Self::new`]; [`GpuError::Technique`] where the proxy is of another technique.
     pub fn set_proxy(&mut self, proxy: &Proxy) -> Result<(), GpuError> {
+        if proxy.technique() != self.technique {
+            return Err(GpuError::Technique { expected: self.technique.name(), found: proxy.technique().name() });
+        }
         self.proxy = ProxyBuffers::new(self.device, proxy)?;
+        if self.pieces.is_some() {
+            self.pieces = Some(PieceBuffers::new(self.device, &proxy.pieces)?);
+        }
         Ok(())
     }
 
     /// What each pixel sees, as `camera` has it; `views` are those of the same camera and viewport.
     ///
-    /// The adapter and its driver are entered in `meta`. Hits have no curvature unless the renderer computes it.
+    /// The adapter and its driver are entered in `meta`. Pixels in which a search of technique `exact` has not converged
+    /// are entered as undecided. Hits have no curvature unless the renderer computes it.
     ///
     /// # Errors
     /// [`GpuError::Limit`] where the viewport does not fit the adapter, [`GpuError::Malformed`] where a pixel shows a
@@ -219,7 +241,11 @@ impl<'a> Renderer<'a> {
             )
         });
         let buffer = GBuffer::from_rows(viewport, meta, hits);
-        failure.map_or(Ok(buffer), Err)
+        match (failure, &targets.unconverged) {
+            (Some(error), _) => Err(error),
+            (None, None) => Ok(buffer),
+            (None, Some(unconverged)) => Ok(buffer.with_undecided(unconverged.pixels(self.device)?)),
+        }
     }
 
     /// The raw answers of the fragment program, row-major from the top: what [`Self::gbuffer`] makes its hits of.
@@ -369,8 +395,14 @@ impl<'a> Renderer<'a> {
                 compilation_options: Default::default(),
                 buffers: &[Some(vertex_layout())],
             },
-            // No culling: a surface is seen from both its sides.
-            primitive: wgpu::PrimitiveState::default(),
+            primitive: wgpu::PrimitiveState {
+                // A surface is seen from both its sides; a hull is drawn by its far side.
+                cull_mode: match self.technique {
+                    Technique::Fragment => None,
+                    Technique::Exact => Some(wgpu::Face::Front),
+                },
+                ..Default::default()
+            },
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH_FORMAT,
                 depth_write_enabled: Some(true),
@@ -397,6 +429,10 @@ impl<'a> Renderer<'a> {
         let side = viewport.width().max(viewport.height()) as u64;
         let limit = u64::from(self.device.limits.max_texture_dimension_2d);
         self.device.fits("the viewport", "max_texture_dimension_2d", side, limit)?;
+        let unconverged = match &self.pieces {
+            Some(pieces) => Some(pieces.unconverged(self.device, viewport)?),
+            None => None,
+        };
         self.device.guarded("allocating the picture", || {
             let texture = |format, usage| {
                 self.device.wgpu.create_texture(&wgpu::TextureDescriptor {
@@ -422,7 +458,7 @@ impl<'a> Renderer<'a> {
                 .collect();
             let colour_views = colours.iter().map(view).collect();
             let depth_view = view(&texture(DEPTH_FORMAT, TextureUsages::RENDER_ATTACHMENT));
-            Targets { output, viewport, colours, colour_views, depth_view }
+            Targets { output, viewport, colours, colour_views, depth_view, unconverged }
         })
     }
 
@@ -471,6 +507,9 @@ impl<'a> Renderer<'a> {
             let (width, height) = (targets.viewport.width() as f32, targets.viewport.height() as f32);
             pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
             pass.set_bind_group(0, &self.buffers.group, &[]);
+            if let Some(unconverged) = &targets.unconverged {
+                pass.set_bind_group(1, &unconverged.group, &[]);
+            }
             self.proxy.bind(&mut pass);
             for batch in self.proxy.batches.iter().filter(|batch| batch.count > 0) {
                 // A batch of a program that no face has draws nothing of this scene.

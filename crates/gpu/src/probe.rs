@@ -7,7 +7,7 @@ use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
 use pipeline::fragment::Fragment;
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, Program};
+use pipeline::{PackedScene, Program, Technique};
 use wgpu::{BufferBindingType, ShaderStages};
 
 /// The compute entry point `probe`, to stand behind any [`wgsl::source`].
@@ -51,7 +51,7 @@ pub fn probe(
     if let Some(index) = queries.iter().position(|&(face, _)| !of_program(face)) {
         return Err(GpuError::ProbeFace { index, face: queries[index].0, program: format!("{program:?}") });
     }
-    let variant = Variant { program, curvature: true, interpolated_normal: false };
+    let variant = Variant { technique: Technique::Fragment, program, curvature: true, interpolated_normal: false };
     let module = device.module(program, wgsl::source(variant) + PROBE)?;
     let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE)?;
     let (pipeline, layout) = device
@@ -133,7 +133,12 @@ mod tests {
 
     #[test]
     fn queries_and_answers_have_the_layout_of_the_shader() {
-        let variant = Variant { program: Program::General, curvature: true, interpolated_normal: false };
+        let variant = Variant {
+            technique: Technique::Fragment,
+            program: Program::General,
+            curvature: true,
+            interpolated_normal: false,
+        };
         let module = naga::front::wgsl::parse_str(&(wgsl::source(variant) + PROBE)).unwrap();
         let members = |name: &str| {
             let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap().1;

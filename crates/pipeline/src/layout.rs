@@ -44,21 +44,44 @@ pub struct View {
     pub clip_from_local: [[f32; 4]; 4],
     /// The eye in local coordinates and 1 (perspective), or the unit view direction and 0 (orthographic).
     pub eye: [f32; 4],
-    /// 1 / (model units a local unit), by which a local curvature becomes one of the model; then three zeros.
-    pub curvature: [f32; 4],
+    /// 1 / (model units a local unit), by which a local curvature becomes one of the model; half the picture's width and
+    /// height in pixels; 0.
+    pub units: [f32; 4],
+}
+
+/// A Bézier piece of a face, on which technique `exact` looks for the point that a pixel sees. 96 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct PieceRecord {
+    /// Rows that take p − c, local, to the coordinates of the piece's hull, −1 … 1 in each; behind each row a coordinate
+    /// of the hull's centre c.
+    pub hull_from_local: [[f32; 4]; 3],
+    /// Parameters at the hull's centre, then what they gain along its first two coordinates: the piece as if it were flat.
+    pub flat: [f32; 4],
+    /// The piece's local parameters: u from, v from, u to, v to.
+    pub rectangle: [f32; 4],
+    /// The face.
+    pub face: u32,
+    /// Its knot span in u.
+    pub span_u: u32,
+    /// Its knot span in v.
+    pub span_v: u32,
+    /// To 16 bytes.
+    pub padding: u32,
 }
 
 /// A corner of a proxy triangle. 36 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
-    /// S(u, v) in the face's local coordinates.
+    /// S(u, v), or a hull's corner, in the face's local coordinates.
     pub position: [f32; 3],
-    /// Local parameters, 0 to 1 over the domain.
+    /// Local parameters, 0 to 1 over the domain; zeros at a hull's corner.
     pub uv: [f32; 2],
     /// The face.
     pub face: u32,
-    /// Unit normal of the surface there (zero where it has none), for interpolated shading only.
+    /// Unit normal of the surface there (zero where it has none, and at a hull's corner), for interpolated
+    /// shading only.
     pub normal: [f32; 3],
 }
 
@@ -71,5 +94,6 @@ mod tests {
         assert_eq!(size_of::<FaceRecord>(), 48);
         assert_eq!(size_of::<View>(), 96);
         assert_eq!(size_of::<Vertex>(), 36);
+        assert_eq!(size_of::<PieceRecord>(), 96);
     }
 }

@@ -7,13 +7,15 @@ pub mod eval;
 pub mod fragment;
 mod lanes;
 mod layout;
+pub mod newton;
 mod pack;
+mod pieces;
 mod proxy;
 mod technique;
 pub mod wgsl;
 
 pub use lanes::Lanes;
-pub use layout::{FaceRecord, RATIONAL, REVERSED, Vertex, View};
+pub use layout::{FaceRecord, PieceRecord, RATIONAL, REVERSED, Vertex, View};
 pub use pack::{PackError, PackedFrame, PackedScene, Program, Scheme};
 pub use proxy::{Batch, DEFAULT_CHORD_PX, Proxy, ProxyError};
 pub use technique::Technique;

@@ -203,7 +203,12 @@ impl PackedScene {
                 View {
                     clip_from_local: clip_from_local.to_cols_array_2d().map(|column| column.map(|x| x as f32)),
                     eye: eye.to_array().map(|x| x as f32),
-                    curvature: [(1.0 / frame.scale) as f32, 0.0, 0.0, 0.0],
+                    units: [
+                        (1.0 / frame.scale) as f32,
+                        viewport.width() as f32 * 0.5,
+                        viewport.height() as f32 * 0.5,
+                        0.0,
+                    ],
                 }
             })
             .collect()

@@ -1,8 +1,11 @@
-//! Proxies: the coarse tessellation whose triangles carry (u, v, face) to the fragments.
+//! Proxies: what is rasterized so that fragments run. A coarse tessellation, whose triangles carry (u, v, face), or the
+//! hulls of pieces, on which fragments look for the surface themselves.
 
-use crate::layout::Vertex;
+use crate::Technique;
+use crate::layout::{PieceRecord, Vertex};
 use crate::pack::{PackedScene, Program};
-use nurbs::{DerivativeBounds, Direction, Surface};
+use crate::pieces::{HULL_TRIANGLES, pieces_of};
+use nurbs::{DerivativeBounds, Direction, Hull, Surface};
 use rayon::prelude::*;
 use scene::{Camera, FaceId, Model, Viewport};
 
@@ -27,6 +30,12 @@ pub enum ProxyError {
     TooManyTriangles {
         /// The chord error asked for.
         chord_px: f64,
+    },
+    /// The faces have more nearly flat pieces than are allowed.
+    #[error("the model has {count} nearly flat pieces; technique `exact` draws at most {}", GREATEST_TRIANGLES / 12)]
+    TooManyPieces {
+        /// How many there are.
+        count: usize,
     },
     /// The chord bound is not a positive number.
     #[error("a chord error of {chord_px} pixels: it must be positive")]
@@ -56,8 +65,12 @@ pub struct Proxy {
     pub indices: Vec<u32>,
     /// One batch a program, in drawing order.
     pub batches: Vec<Batch>,
-    /// For each face, the greatest distance in model units from a point of a flat triangle to S at its (u, v).
+    /// For each face, the greatest distance in model units from a point of a flat triangle to S at its (u, v); zeros
+    /// where fragments find S themselves.
     pub chord: Vec<f64>,
+    /// Technique `exact`: the pieces in drawing order. Piece i has vertices 8 i to 8 i + 7 and triangles 12 i to 12 i + 11.
+    /// Empty for a tessellation.
+    pub pieces: Vec<PieceRecord>,
 }
 
 /// Parameters of the grid lines of one direction, local (0 … 1), ascending.
@@ -121,12 +134,14 @@ impl Proxy {
         }
         let meshes: Vec<(Vec<Vertex>, f64)> =
             grids.par_iter().enumerate().map(|(id, grid)| mesh(model, scene, id, grid)).collect();
-        let mut order: Vec<usize> = (0..grids.len()).collect();
-        order.sort_by_key(|&id| (scene.programs[id], id));
-        let mut proxy =
-            Self { vertices: vec![], indices: Vec::with_capacity(3 * triangles), batches: vec![], chord: vec![] };
-        proxy.chord = meshes.iter().map(|(_, chord)| *chord).collect();
-        for id in order {
+        let mut proxy = Self {
+            vertices: vec![],
+            indices: Vec::with_capacity(3 * triangles),
+            batches: vec![],
+            chord: meshes.iter().map(|(_, chord)| *chord).collect(),
+            pieces: vec![],
+        };
+        for id in in_drawing_order(scene) {
             let base = proxy.vertices.len() as u32;
             let first = proxy.indices.len() as u32;
             proxy.vertices.extend_from_slice(&meshes[id].0);
@@ -138,19 +153,80 @@ impl Proxy {
                     proxy.indices.extend([a, b, c, a, c, d]);
                 }
             }
-            let count = proxy.indices.len() as u32 - first;
-            match proxy.batches.last_mut() {
-                Some(batch) if batch.program == scene.programs[id] => batch.count += count,
-                _ => proxy.batches.push(Batch { program: scene.programs[id], first, count }),
-            }
+            proxy.batch(scene.programs[id], first);
         }
         Some(proxy)
+    }
+
+    /// Enters the indices from `first` on as drawn by `program`.
+    fn batch(&mut self, program: Program, first: u32) {
+        let count = self.indices.len() as u32 - first;
+        match self.batches.last_mut() {
+            Some(batch) if batch.program == program => batch.count += count,
+            _ => self.batches.push(Batch { program, first, count }),
+        }
+    }
+
+    /// The hulls of all pieces of all faces, for technique `exact`: no pixel whose centre sees a piece, as `camera` has
+    /// it, lies outside its hull.
+    ///
+    /// # Errors
+    /// [`ProxyError::TooManyPieces`].
+    pub fn hulls(model: &Model, scene: &PackedScene, camera: &Camera, viewport: Viewport) -> Result<Self, ProxyError> {
+        let model_units_a_pixel = |hull: &Hull| {
+            let farthest = hull.corners().iter().fold(camera.near(), |far: f64, c| far.max(camera.depth(*c)));
+            1.0 / camera.pixels_per_unit(viewport, farthest.max(f64::MIN_POSITIVE))
+        };
+        let of_faces: Vec<_> = model
+            .faces()
+            .par_iter()
+            .enumerate()
+            .map(|(id, face)| {
+                let patches = model.surfaces()[face.surface].bezier_patches();
+                pieces_of(scene, id, &patches, model_units_a_pixel)
+            })
+            .collect();
+        let count: usize = of_faces.iter().map(Vec::len).sum();
+        if count > GREATEST_TRIANGLES / HULL_TRIANGLES.len() {
+            return Err(ProxyError::TooManyPieces { count });
+        }
+        let mut proxy = Self {
+            vertices: Vec::with_capacity(8 * count),
+            indices: Vec::with_capacity(3 * HULL_TRIANGLES.len() * count),
+            batches: vec![],
+            chord: vec![0.0; of_faces.len()],
+            pieces: Vec::with_capacity(count),
+        };
+        for id in in_drawing_order(scene) {
+            let first = proxy.indices.len() as u32;
+            for piece in &of_faces[id] {
+                let base = proxy.vertices.len() as u32;
+                let vertex = |position| Vertex { position, uv: [0.0; 2], face: id as u32, normal: [0.0; 3] };
+                proxy.vertices.extend(piece.corners.map(vertex));
+                proxy.indices.extend(HULL_TRIANGLES.as_flattened().iter().map(|corner| base + corner));
+                proxy.pieces.push(piece.record);
+            }
+            proxy.batch(scene.programs[id], first);
+        }
+        Ok(proxy)
+    }
+
+    /// The technique that draws it.
+    pub fn technique(&self) -> Technique {
+        if self.pieces.is_empty() { Technique::Fragment } else { Technique::Exact }
     }
 
     /// Number of triangles.
     pub fn triangles(&self) -> usize {
         self.indices.len() / 3
     }
+}
+
+/// Faces grouped by their programs.
+fn in_drawing_order(scene: &PackedScene) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..scene.faces.len()).collect();
+    order.sort_by_key(|&id| (scene.programs[id], id));
+    order
 }
 
 /// Grid lines at all knots and between them, so that every cell's chord bound is at most `allowed` model units.

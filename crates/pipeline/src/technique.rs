@@ -6,16 +6,19 @@ pub enum Technique {
     /// A tessellation carries (u, v, face); each fragment evaluates the surface there (Kanai 2007).
     #[default]
     Fragment,
+    /// Conservative hulls of Bézier pieces; each fragment solves for the point on its pixel's ray.
+    Exact,
 }
 
 impl Technique {
     /// All of them.
-    pub const ALL: [Self; 1] = [Self::Fragment];
+    pub const ALL: [Self; 2] = [Self::Fragment, Self::Exact];
 
     /// Its name on the command line and in a G-buffer's facts.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fragment => "fragment",
+            Self::Exact => "exact",
         }
     }
 }

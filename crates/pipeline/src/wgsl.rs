@@ -3,6 +3,7 @@
 //! WGSL needs no order of declaration, so a program is its parts put together behind a short prelude that fixes
 //! what a Rust generic would: capacity, degree, and which outputs are wanted.
 
+use crate::Technique;
 use crate::pack::Program;
 use nurbs::MAX_ORDER;
 
@@ -14,23 +15,37 @@ pub const EVAL: &str = include_str!("../../../shaders/eval.wgsl");
 pub const FRAGMENT: &str = include_str!("../../../shaders/fragment.wgsl");
 /// The shading code, twin of `gbuffer::shade`.
 pub const SHADE: &str = include_str!("../../../shaders/shade.wgsl");
-/// Vertex and fragment entry points.
+/// What fragment stages write.
+pub const OUTPUT: &str = include_str!("../../../shaders/output.wgsl");
+/// Entry points of technique `fragment`.
 pub const ENTRY: &str = include_str!("../../../shaders/entry.wgsl");
+/// Ray ∩ piece, for technique `exact`.
+pub const NEWTON: &str = include_str!("../../../shaders/newton.wgsl");
+/// Entry points of technique `exact`.
+pub const ENTRY_EXACT: &str = include_str!("../../../shaders/entry_exact.wgsl");
 
 /// What a program is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Variant {
+    /// Which technique.
+    pub technique: Technique,
     /// Which degrees.
     pub program: Program,
     /// Whether second derivatives and curvatures are computed.
     pub curvature: bool,
-    /// Whether shading uses the normal interpolated from the vertices instead of the fragment's own.
+    /// Whether shading uses the normal interpolated from the vertices instead of the fragment's own; technique
+    /// `exact` has none to interpolate.
     pub interpolated_normal: bool,
 }
 
 /// The source of a variant. Entry points: `vertex`, `fragment_gbuffer`, `fragment_shaded`.
 pub fn source(variant: Variant) -> String {
-    [&prelude(variant), LAYOUT, EVAL, FRAGMENT, SHADE, ENTRY].concat()
+    let prelude = prelude(variant);
+    let entry: &[&str] = match variant.technique {
+        Technique::Fragment => &[ENTRY],
+        Technique::Exact => &[NEWTON, ENTRY_EXACT],
+    };
+    [&[prelude.as_str(), LAYOUT, EVAL, FRAGMENT, SHADE, OUTPUT], entry].concat().concat()
 }
 
 fn prelude(variant: Variant) -> String {

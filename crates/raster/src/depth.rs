@@ -22,7 +22,8 @@ impl DepthTile {
         Self { rect, depth: vec![0.0; TILE * TILE], owner: vec![NOBODY; TILE * TILE] }
     }
 
-    fn index(&self, x: i32, y: i32) -> usize {
+    /// Where the pixel stands in a tile's arrays.
+    pub fn index(&self, x: i32, y: i32) -> usize {
         (y - self.rect.top) as usize * TILE + (x - self.rect.left) as usize
     }
 

@@ -107,6 +107,12 @@ impl Geometry {
         }
     }
 
+    /// Index of the first vertex of a triangle, or of the one that a piece was cut from.
+    pub fn first_vertex(&self, drawing: &Drawing, id: u32) -> u32 {
+        let triangle = (id as usize).checked_sub(self.triangles).map_or(id, |piece| self.pieces[piece].source);
+        drawing.proxy.indices[3 * triangle as usize]
+    }
+
     /// What it carries.
     pub fn attributes(&self, drawing: &Drawing, id: u32) -> Attributes {
         match (id as usize).checked_sub(self.triangles) {

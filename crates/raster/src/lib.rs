@@ -12,6 +12,7 @@ mod bins;
 pub mod clip;
 pub mod coverage;
 pub mod depth;
+mod exact;
 mod geometry;
 pub mod rect;
 mod sampler;
@@ -25,10 +26,12 @@ use crate::bins::Bins;
 use crate::depth::TILE;
 use crate::geometry::Geometry;
 use crate::rect::Rect;
-use gbuffer::{GBuffer, Hit, Meta};
+use crate::tile::Tile;
+use gbuffer::{GBuffer, Meta};
 use pipeline::{PackedScene, Proxy, View};
 use rayon::prelude::*;
 use scene::{Camera, Viewport};
+use std::cell::RefCell;
 
 /// Pixels that are held twice, as tiles and as rows, at most (or one row of tiles): bounds memory, not the result.
 const PIXELS_AT_ONCE: usize = 1 << 18;
@@ -75,7 +78,8 @@ impl<'a> Rasterizer<'a> {
 
     /// Draws the whole picture. `progress` is called with the number of pixels done since its last call, from any thread.
     ///
-    /// The result is the same to the bit for any number of threads.
+    /// Pixels in which a search of technique `exact` has not converged are entered as undecided. The result is the same to
+    /// the bit for any number of threads.
     pub fn render(&self, meta: Meta, progress: &(dyn Fn(usize) + Sync)) -> GBuffer {
         let viewport = self.drawing.viewport;
         let (width, height) = (viewport.width(), viewport.height());
@@ -84,9 +88,10 @@ impl<'a> Rasterizer<'a> {
             Bins::new(viewport, TILE, self.geometry.triangles(), |i, add| self.geometry.boxes(&self.drawing, i, add));
         let together = (PIXELS_AT_ONCE / (columns * TILE * TILE)).max(1);
         let bands = (0..rows).step_by(together).map(|first| first..rows.min(first + together));
+        let unconverged = RefCell::new(vec![]);
         let picture = bands.flat_map(|band| {
             let first = band.start;
-            let tiles: Vec<Vec<Option<Hit>>> = (band.start * columns..band.end * columns)
+            let tiles: Vec<Tile> = (band.start * columns..band.end * columns)
                 .into_par_iter()
                 .map(|i| {
                     let (left, top) = (i % columns * TILE, i / columns * TILE);
@@ -96,15 +101,16 @@ impl<'a> Rasterizer<'a> {
                         right: width.min(left + TILE) as i32,
                         bottom: height.min(top + TILE) as i32,
                     };
-                    let hits = tile::render(self, bins.of_pixel(left, top), rect);
+                    let tile = tile::render(self, bins.of_pixel(left, top), rect);
                     progress((rect.right - rect.left) as usize * (rect.bottom - rect.top) as usize);
-                    hits
+                    tile
                 })
                 .collect();
+            unconverged.borrow_mut().extend(tiles.iter().flat_map(|tile| &tile.unconverged).copied());
             (band.start * TILE..height.min(band.end * TILE)).map(move |y| {
                 let mut row = Vec::with_capacity(columns * TILE);
                 for tile in &tiles[(y / TILE - first) * columns..][..columns] {
-                    match tile.get(y % TILE * TILE..) {
+                    match tile.hits.get(y % TILE * TILE..) {
                         Some(rest) if !rest.is_empty() => row.extend_from_slice(&rest[..TILE]),
                         _ => row.extend([None; TILE]),
                     }
@@ -113,7 +119,8 @@ impl<'a> Rasterizer<'a> {
                 row
             })
         });
-        GBuffer::from_rows(viewport, meta, picture)
+        let buffer = GBuffer::from_rows(viewport, meta, picture);
+        buffer.with_undecided(unconverged.into_inner())
     }
 
     /// Prepares to answer single samples.

@@ -2,14 +2,17 @@
 
 use crate::bins::Bins;
 use crate::coverage::covers;
+use crate::exact;
 use crate::rect::Rect;
 use crate::setup::Triangle;
 use crate::{Rasterizer, tile};
 use gbuffer::Hit;
+use pipeline::Technique;
 use pipeline::fragment::fragment;
+use pipeline::newton::Outcome;
 
 /// Side of a square of triangles that are looked through for one sample, pixels.
-const SIDE: usize = 16;
+const SIDE: usize = 8;
 
 /// Answers what the rasterizer would see if a sample stood at any position instead of at a pixel's centre.
 ///
@@ -68,34 +71,50 @@ impl<'a> PointSampler<'a> {
         let [column, row] = [x, y].map(|t| t as usize);
         let shift = [x - (column as f64 + 0.5), y - (row as f64 + 0.5)].map(|d| d as f32);
         let pixel = [column, row].map(|t| t as i32);
-        let covering = self.bins.of_pixel(column, row).iter().filter_map(|&id| {
+        let triangles = self.bins.of_pixel(column, row).iter();
+        let interpolated = |&id: &u32| {
             let triangle = Triangle::new(geometry.corners(drawing, id), shift)?;
             if !covers(&triangle, pixel[0], pixel[1]) {
                 return None;
             }
             let weights = triangle.weights(pixel[0], pixel[1]);
             let depth = triangle.depth(weights);
-            (depth > 0.0).then_some(Sample { id, triangle, weights, depth })
-        });
-        covering.collect()
+            let attributes = geometry.attributes(drawing, id);
+            let normal = drawing.options.interpolated_normals.then(|| triangle.interpolate(weights, attributes.normal));
+            let uv = triangle.interpolate(weights, attributes.uv);
+            (depth > 0.0).then_some(Sample { face: attributes.face, uv, normal, depth })
+        };
+        let solved = |&id: &u32| {
+            let (piece, triangle) = exact::far_side(self.raster, id, shift)?;
+            if !covers(&triangle, pixel[0], pixel[1]) {
+                return None;
+            }
+            match exact::look(self.raster, piece, [x as f32, y as f32]) {
+                Outcome::Hit { uv, depth } if depth > 0.0 => {
+                    Some(Sample { face: drawing.proxy.pieces[piece].face, uv, normal: None, depth })
+                }
+                _ => None,
+            }
+        };
+        match drawing.proxy.technique() {
+            Technique::Fragment => triangles.filter_map(interpolated).collect(),
+            Technique::Exact => triangles.filter_map(solved).collect(),
+        }
     }
 
     /// The fragment program at a sample.
     fn hit(&self, sample: &Sample, position: [f64; 2]) -> Hit {
-        let Rasterizer { drawing, geometry } = self.raster;
-        let Sample { id, triangle, weights, .. } = sample;
-        let attributes = geometry.attributes(drawing, *id);
-        let uv = triangle.interpolate(*weights, attributes.uv);
-        let fragment = fragment(drawing.scene, attributes.face, uv, drawing.options.curvature);
-        let normal = drawing.options.interpolated_normals.then(|| triangle.interpolate(*weights, attributes.normal));
-        tile::hit(self.raster, &fragment, position, normal)
+        let drawing = &self.raster.drawing;
+        let fragment = fragment(drawing.scene, sample.face, sample.uv, drawing.options.curvature);
+        tile::hit(self.raster, &fragment, position, sample.normal)
     }
 }
 
-/// A triangle that covers a position.
+/// What is drawn at a position.
 struct Sample {
-    id: u32,
-    triangle: Triangle,
-    weights: [f32; 3],
+    face: u32,
+    uv: [f32; 2],
+    /// The interpolated normal, where it is asked for.
+    normal: Option<[f32; 3]>,
     depth: f32,
 }

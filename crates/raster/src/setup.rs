@@ -152,6 +152,12 @@ impl Triangle {
         })
     }
 
+    /// Whether the snapped corners run counterclockwise in the picture.
+    #[inline]
+    pub fn is_counterclockwise(&self) -> bool {
+        self.counterclockwise
+    }
+
     /// The pixels whose centres lie in the snapped triangle's box.
     #[inline]
     pub fn bounds(&self) -> Rect {

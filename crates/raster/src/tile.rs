@@ -3,12 +3,15 @@
 use crate::Rasterizer;
 use crate::coverage::for_each_covered;
 use crate::depth::{DepthTile, TILE};
+use crate::exact;
 use crate::rect::Rect;
 use crate::setup::Triangle;
 use gbuffer::Hit;
 use glam::DVec3;
 use nurbs::Normal;
+use pipeline::Technique;
 use pipeline::fragment::{Fragment, fragment_row};
+use pipeline::newton::Outcome;
 
 /// Fragments that wait for the fragment program, all of one face.
 #[derive(Default)]
@@ -22,8 +25,65 @@ struct Run {
     fragments: Vec<Fragment>,
 }
 
-/// The hits of a tile, row × [`TILE`] + column; empty where nothing is seen in it.
-pub fn render(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Option<Hit>> {
+/// What a tile shows.
+pub struct Tile {
+    /// Hits, row × [`TILE`] + column; empty where nothing is seen in it.
+    pub hits: Vec<Option<Hit>>,
+    /// Pixels (x, y) of the picture in which a search has not converged.
+    pub unconverged: Vec<(usize, usize)>,
+}
+
+/// Draws a tile.
+pub fn render(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Tile {
+    match raster.drawing.proxy.technique() {
+        Technique::Fragment => Tile { hits: interpolated(raster, triangles, rect), unconverged: vec![] },
+        Technique::Exact => solved(raster, triangles, rect),
+    }
+}
+
+/// Technique `exact`: every pixel of a hull's far side looks for the hull's piece, and the nearest point stays.
+fn solved(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Tile {
+    let drawing = &raster.drawing;
+    let mut tile = DepthTile::new(rect);
+    let mut uv = vec![[0.0; 2]; TILE * TILE];
+    let mut unconverged = vec![];
+    let mut owners: Vec<u32> = vec![];
+    for &id in triangles {
+        let Some((piece, triangle)) = exact::far_side(raster, id, [0.0; 2]) else { continue };
+        let owner = owners.len() as u32;
+        owners.push(drawing.proxy.pieces[piece].face);
+        for_each_covered(&triangle, rect, |x, y| match exact::look(raster, piece, [x as f32 + 0.5, y as f32 + 0.5]) {
+            Outcome::Hit { uv: found, depth } => {
+                if tile.passes(x, y, depth) {
+                    uv[tile.index(x, y)] = found;
+                    tile.test(x, y, depth, owner);
+                }
+            }
+            Outcome::Miss => {}
+            Outcome::Unconverged => unconverged.push((x as usize, y as usize)),
+        });
+    }
+    let (pixels, starts) = tile.by_owner(owners.len());
+    let mut hits = vec![None; if pixels.is_empty() { 0 } else { TILE * TILE }];
+    let mut run = Run::default();
+    for (owner, &face) in owners.iter().enumerate() {
+        let seen = &pixels[starts[owner] as usize..starts[owner + 1] as usize];
+        if seen.is_empty() {
+            continue;
+        }
+        if face != run.face {
+            shade(raster, rect, &mut run, &mut hits);
+            run.face = face;
+        }
+        run.uv.extend(seen.iter().map(|&pixel| uv[usize::from(pixel)]));
+        run.pixels.extend_from_slice(seen);
+    }
+    shade(raster, rect, &mut run, &mut hits);
+    Tile { hits, unconverged }
+}
+
+/// Technique `fragment`: the nearest triangle carries (u, v).
+fn interpolated(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Option<Hit>> {
     let Rasterizer { drawing, geometry } = raster;
     let mut tile = DepthTile::new(rect);
     for (owner, &id) in triangles.iter().enumerate() {

@@ -7,7 +7,7 @@ use naga::{Expression, Literal, Module, TypeInner};
 use nurbs::NormalStatus;
 use pipeline::eval::{COLLAPSED, PARALLEL};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{FaceRecord, Program, RATIONAL, REVERSED, View};
+use pipeline::{FaceRecord, PieceRecord, Program, RATIONAL, REVERSED, Technique, View, newton};
 use std::mem::offset_of;
 
 fn variants() -> Vec<Variant> {
@@ -15,7 +15,8 @@ fn variants() -> Vec<Variant> {
     for program in [Program::General].into_iter().chain((3..=15).step_by(2).map(Program::Degree)) {
         for curvature in [false, true] {
             for interpolated_normal in [false, true] {
-                all.push(Variant { program, curvature, interpolated_normal });
+                let of = |technique| Variant { technique, program, curvature, interpolated_normal };
+                all.extend(Technique::ALL.map(of));
             }
         }
     }
@@ -83,7 +84,8 @@ fn records_have_the_same_members_at_the_same_offsets() {
         &module, FaceRecord, degree_u, degree_v, count_u, count_v, knots_u, knots_v, points, last_u, last_v, flags,
         padding
     );
-    same_layout!(&module, View, clip_from_local, eye, curvature);
+    same_layout!(&module, View, clip_from_local, eye, units);
+    same_layout!(&module, PieceRecord, hull_from_local, flat, rectangle, face, span_u, span_v, padding);
     same_layout!(
         &module,
         ShadeUniform,
@@ -108,6 +110,21 @@ fn constants_have_the_same_values() {
     assert_eq!(constant(&module, "COLLAPSED"), Literal::F32(COLLAPSED));
     assert_eq!(constant(&module, "REGULAR"), Literal::U32(NormalStatus::Regular as u32));
     assert_eq!(constant(&module, "UNDEFINED"), Literal::U32(NormalStatus::Undefined as u32));
+    let exact = variants().into_iter().find(|v| v.technique == Technique::Exact).unwrap();
+    let exact = parsed(&wgsl::source(exact)).unwrap();
+    assert_eq!(constant(&exact, "EVALUATIONS"), Literal::U32(newton::EVALUATIONS));
+    for (name, value) in [
+        ("FINE_PX", newton::FINE_PX),
+        ("NEAR_PX", newton::NEAR_PX),
+        ("BEYOND", newton::BEYOND),
+        ("ONE_SEED", newton::ONE_SEED),
+        ("NEARLY_SINGULAR", newton::NEARLY_SINGULAR),
+        ("DAMPING", newton::DAMPING),
+        ("PARAMETER_ULP", newton::PARAMETER_ULP),
+        ("GREATEST", f32::MAX),
+    ] {
+        assert_eq!(constant(&exact, name), Literal::F32(value), "{name}");
+    }
     assert_eq!(constant(&module, "STATUS_UNDEFINED"), Literal::U32(NormalStatus::Undefined as u32));
 }
 

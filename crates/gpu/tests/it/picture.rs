@@ -288,7 +288,7 @@ fn another_proxy_of_the_same_scene_is_drawn_in_place_of_the_first() {
     let finer = Proxy::uniform(&shot.model, &shot.scene, 6).unwrap();
     renderer.set_proxy(&finer).unwrap();
     assert!(renderer.fragments(&views, shot.viewport).unwrap() != first);
-    let nothing = Proxy { vertices: vec![], indices: vec![], batches: vec![], chord: vec![] };
+    let nothing = Proxy { vertices: vec![], indices: vec![], batches: vec![], chord: vec![], pieces: vec![] };
     renderer.set_proxy(&nothing).unwrap();
     assert!(renderer.fragments(&views, shot.viewport).unwrap().iter().all(Option::is_none));
     let empty_batches = shot.proxy.batches.iter().map(|b| pipeline::Batch { count: 0, ..*b }).collect();

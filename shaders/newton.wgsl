@@ -1,0 +1,245 @@
+// Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of crates/pipeline/src/newton.rs.
+
+const EVALUATIONS: u32 = 24u;
+const FINE_PX: f32 = 1.0 / 2048.0;
+const NEAR_PX: f32 = 1.0 / 256.0;
+const BEYOND: f32 = 1.0 / 8.0;
+const ONE_SEED: f32 = 1.0 / 4.0;
+const NEARLY_SINGULAR: f32 = 1.0 / 1024.0;
+const DAMPING: f32 = 1.0 / 4096.0;
+const PARAMETER_ULP: f32 = 1.0 / 16777216.0;
+const GREATEST: f32 = 3.40282346e38;
+
+const HIT: u32 = 0u;
+const MISS: u32 = 1u;
+const UNCONVERGED: u32 = 2u;
+
+struct Outcome {
+    status: u32,
+    uv: vec2<f32>,
+    depth: f32,
+}
+
+struct Sight {
+    x: vec4<f32>,
+    y: vec4<f32>,
+    z: vec4<f32>,
+    w: vec4<f32>,
+}
+
+struct Place {
+    uv: vec2<f32>,
+    offset: vec2<f32>,
+    squared: f32,
+    along_u: vec2<f32>,
+    along_v: vec2<f32>,
+    depth: f32,
+    in_front: bool,
+}
+
+struct Seeds {
+    first: vec2<f32>,
+    last: vec2<f32>,
+    any: bool,
+}
+
+fn sight(view: View, at: vec2<f32>) -> Sight {
+    let m = transpose(view.clip_from_local);
+    let right = at.x - view.units.y;
+    let up = view.units.z - at.y;
+    return Sight(view.units.y * m[0] - right * m[3], view.units.z * m[1] - up * m[3], m[2], m[3]);
+}
+
+fn plane(p: vec4<f32>, at: vec3<f32>) -> f32 {
+    return dot(p.xyz, at) + p.w;
+}
+
+fn solve(piece: PieceRecord, s: Sight) -> Outcome {
+    let found = seeds(piece, s);
+    if (!found.any) {
+        return Outcome(MISS, vec2<f32>(), 0.0);
+    }
+    var seed = found.first;
+    var count = 2u;
+    if (all(abs(found.first - found.last) <= ONE_SEED * extent(piece))) {
+        seed = 0.5 * (found.first + found.last);
+        count = 1u;
+    }
+    var best = Outcome(MISS, vec2<f32>(), 0.0);
+    for (var k = 0u; k < count; k++) {
+        let next = search(piece, s, seed);
+        let nearer = next.status == HIT && (best.status != HIT || next.depth > best.depth);
+        if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
+            best = next;
+        }
+        seed = found.last;
+    }
+    return best;
+}
+
+fn seeds(piece: PieceRecord, s: Sight) -> Seeds {
+    let rows = piece.hull_from_local;
+    let center = vec3<f32>(rows[0].w, rows[1].w, rows[2].w);
+    let x = s.x.xyz;
+    let y = s.y.xyz;
+    // The point of the ray nearest to the centre, about the centre.
+    let at_x = plane(s.x, center);
+    let at_y = plane(s.y, center);
+    let xx = dot(x, x);
+    let xy = dot(x, y);
+    let yy = dot(y, y);
+    let det = xx * yy - xy * xy;
+    let a = (xy * at_y - yy * at_x) / det;
+    let b = (xy * at_x - xx * at_y) / det;
+    let start = a * x + b * y;
+    let direction = cross(x, y);
+    // The part of the ray inside the hull, and behind the near plane: w − z is not negative.
+    var near = -GREATEST;
+    var far = GREATEST;
+    for (var k = 0u; k < 3u; k++) {
+        let at = dot(rows[k].xyz, start);
+        let speed = dot(rows[k].xyz, direction);
+        if (speed != 0.0) {
+            let first = (-1.0 - at) / speed;
+            let last = (1.0 - at) / speed;
+            near = max(near, min(first, last));
+            far = min(far, max(first, last));
+        }
+    }
+    let beyond = s.w - s.z;
+    let at = plane(beyond, center + start);
+    let speed = dot(beyond.xyz, direction);
+    if (speed > 0.0) {
+        near = max(near, -at / speed);
+    }
+    if (speed < 0.0) {
+        far = min(far, -at / speed);
+    }
+    var out: Seeds;
+    out.any = near <= far;
+    out.first = parameters(piece, start, direction, near);
+    out.last = parameters(piece, start, direction, far);
+    return out;
+}
+
+fn parameters(piece: PieceRecord, start: vec3<f32>, direction: vec3<f32>, along: f32) -> vec2<f32> {
+    let rows = piece.hull_from_local;
+    let h = vec2<f32>(
+        dot(rows[0].xyz, start) + along * dot(rows[0].xyz, direction),
+        dot(rows[1].xyz, start) + along * dot(rows[1].xyz, direction),
+    );
+    return min(max(piece.flat.xy + piece.flat.zw * h, piece.rectangle.xy), piece.rectangle.zw);
+}
+
+fn extent(piece: PieceRecord) -> vec2<f32> {
+    return piece.rectangle.zw - piece.rectangle.xy;
+}
+
+fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> Outcome {
+    let size = extent(piece);
+    let low = piece.rectangle.xy - BEYOND * size;
+    let high = piece.rectangle.zw + BEYOND * size;
+    var uv = seed;
+    var best: Place;
+    best.squared = GREATEST;
+    var step = vec2<f32>();
+    var settled = false;
+    for (var k = 0u; k < EVALUATIONS; k++) {
+        let next = place(piece, s, uv);
+        if (settled) {
+            best = next;
+            break;
+        }
+        if (k == 0u || next.squared < best.squared) {
+            best = next;
+            step = newton_step(best);
+        } else {
+            settled = best.squared <= NEAR_PX * NEAR_PX;
+            step = step * 0.5;
+        }
+        uv = min(max(best.uv + step * size, low), high);
+        settled = settled || best.squared <= FINE_PX * FINE_PX || is_least(best, low, high) || all(uv == best.uv);
+        if (settled) {
+            // Once more, at the nearest place inside the piece.
+            uv = min(max(best.uv, piece.rectangle.xy), piece.rectangle.zw);
+            if (all(uv == best.uv)) {
+                break;
+            }
+        }
+    }
+    if (!settled || any(best.uv != uv)) {
+        return Outcome(UNCONVERGED, best.uv, best.depth);
+    }
+    if (best.squared <= near_squared(best, size) && best.depth >= 0.0 && best.depth <= 1.0) {
+        return Outcome(HIT, best.uv, best.depth);
+    }
+    return Outcome(MISS, best.uv, best.depth);
+}
+
+fn near_squared(at: Place, size: vec2<f32>) -> f32 {
+    let coarse = PARAMETER_ULP * (sqrt(dot(at.along_u, at.along_u)) / size.x + sqrt(dot(at.along_v, at.along_v)) / size.y);
+    let near = max(NEAR_PX, coarse);
+    return near * near;
+}
+
+fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
+    let face = faces[piece.face];
+    let p = degree(face.degree_u);
+    let q = degree(face.degree_v);
+    var nu = basis(face.knots_u, p, piece.span_u, uv.x, false);
+    var nv = basis(face.knots_v, q, piece.span_v, uv.y, false);
+    let d = surface(face, p, q, piece.span_u, piece.span_v, &nu, &nv, false);
+    let size = extent(piece);
+    let w = plane(s.w, d.s);
+    var out: Place;
+    out.uv = uv;
+    out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / w;
+    out.in_front = w > 0.0;
+    out.squared = select(GREATEST, dot(out.offset, out.offset), out.in_front);
+    out.along_u = along(s, out.offset, d.su) * (size.x / w);
+    out.along_v = along(s, out.offset, d.sv) * (size.y / w);
+    out.depth = plane(s.z, d.s) / w;
+    return out;
+}
+
+// The derivative of a quotient, times w: what is left of the planes' own slopes is that of w, seen at the offset.
+fn along(s: Sight, offset: vec2<f32>, derivative: vec3<f32>) -> vec2<f32> {
+    return vec2<f32>(dot(s.x.xyz, derivative), dot(s.y.xyz, derivative)) - offset * dot(s.w.xyz, derivative);
+}
+
+fn newton_step(at: Place) -> vec2<f32> {
+    let a = at.along_u;
+    let b = at.along_v;
+    let o = at.offset;
+    let det = a.x * b.y - a.y * b.x;
+    let aa = dot(a, a);
+    let bb = dot(b, b);
+    var step: vec2<f32>;
+    if (abs(det) > NEARLY_SINGULAR * (aa + bb)) {
+        step = vec2<f32>(b.x * o.y - b.y * o.x, a.y * o.x - a.x * o.y) / det;
+    } else {
+        let damping = DAMPING * (aa + bb);
+        let ab = dot(a, b);
+        let gu = dot(a, o);
+        let gv = dot(b, o);
+        let uu = aa + damping;
+        let vv = bb + damping;
+        let damped = uu * vv - ab * ab;
+        if (damped == 0.0) {
+            return vec2<f32>();
+        }
+        step = vec2<f32>(ab * gv - vv * gu, ab * gu - uu * gv) / damped;
+    }
+    let longest = max(abs(step.x), abs(step.y));
+    if (longest > 1.0) {
+        return step / longest;
+    }
+    return step;
+}
+
+fn is_least(at: Place, low: vec2<f32>, high: vec2<f32>) -> bool {
+    let slope = vec2<f32>(dot(at.along_u, at.offset), dot(at.along_v, at.offset));
+    let outward = ((at.uv <= low) & (slope > vec2<f32>())) | ((at.uv >= high) & (slope < vec2<f32>()));
+    let fall = select(abs(slope), vec2<f32>(), outward);
+    return at.in_front && fall.x + fall.y < 0.25 * at.squared;
+}

@@ -1,0 +1,33 @@
+// What a fragment stage writes of the fragment program's answer, whatever the technique.
+
+// Four targets of 16 bytes. All-zero means that nothing was drawn: the face is stored plus one.
+struct GBufferOutput {
+    @location(0) identity: vec4<u32>, // face + 1, status, span in u, span in v
+    @location(1) position: vec4<f32>, // S in local coordinates, u
+    @location(2) normal: vec4<f32>,   // unit normal, v
+    @location(3) shape: vec4<f32>,    // k1, k2 in local units, |S_u|, |S_v|
+}
+
+fn gbuffer_output(face: u32, f: Fragment) -> GBufferOutput {
+    return GBufferOutput(
+        vec4<u32>(face + 1u, f.status, f.span),
+        vec4<f32>(f.position, f.uv.x),
+        vec4<f32>(f.normal, f.uv.y),
+        vec4<f32>(f.curvature, f.speed),
+    );
+}
+
+// The colour of a fragment with this normal, seen at a local position.
+fn shaded_output(face: u32, f: Fragment, normal: vec3<f32>, local: vec3<f32>) -> vec4<f32> {
+    let view = views[face];
+    var s: ShadeInput;
+    s.normal = normal;
+    s.status = f.status;
+    s.view = view_direction(view.eye, local);
+    s.uv01 = f.uv;
+    s.face = face;
+    s.curved = select(0u, 1u, CURVATURE && f.status == REGULAR);
+    s.k1 = f.curvature.x * view.units.x;
+    s.k2 = f.curvature.y * view.units.x;
+    return vec4<f32>(shade(shading, s), 1.0);
+}
