@@ -1,13 +1,16 @@
 // Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of crates/pipeline/src/newton.rs.
 
-const EVALUATIONS: u32 = 24u;
-const FINE_PX: f32 = 1.0 / 2048.0;
+const EVALUATIONS: u32 = 16u;
+const LAST_PX: f32 = 1.0 / 16.0;
+const LAST_STEP: f32 = 1.0 / 16.0;
+const FINE_PX: f32 = 1.0 / 1024.0;
 const NEAR_PX: f32 = 1.0 / 256.0;
+const PROMISE: f32 = 3.0 / 4.0;
 const BEYOND: f32 = 1.0 / 8.0;
+const INSIDE: f32 = 1.0 / 16.0;
 const ONE_SEED: f32 = 1.0 / 4.0;
 const NEARLY_SINGULAR: f32 = 1.0 / 1024.0;
 const DAMPING: f32 = 1.0 / 4096.0;
-const PARAMETER_ULP: f32 = 1.0 / 16777216.0;
 const GREATEST: f32 = 3.40282346e38;
 
 const HIT: u32 = 0u;
@@ -33,8 +36,7 @@ struct Place {
     squared: f32,
     along_u: vec2<f32>,
     along_v: vec2<f32>,
-    depth: f32,
-    in_front: bool,
+    depth: vec3<f32>,
 }
 
 struct Seeds {
@@ -128,7 +130,8 @@ fn parameters(piece: PieceRecord, start: vec3<f32>, direction: vec3<f32>, along:
         dot(rows[0].xyz, start) + along * dot(rows[0].xyz, direction),
         dot(rows[1].xyz, start) + along * dot(rows[1].xyz, direction),
     );
-    return min(max(piece.flat.xy + piece.flat.zw * h, piece.rectangle.xy), piece.rectangle.zw);
+    let margin = INSIDE * extent(piece);
+    return min(max(piece.flat.xy + piece.flat.zw * h, piece.rectangle.xy + margin), piece.rectangle.zw - margin);
 }
 
 fn extent(piece: PieceRecord) -> vec2<f32> {
@@ -141,45 +144,50 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> Outcome {
     let high = piece.rectangle.zw + BEYOND * size;
     var uv = seed;
     var best: Place;
-    best.squared = GREATEST;
     var step = vec2<f32>();
-    var settled = false;
     for (var k = 0u; k < EVALUATIONS; k++) {
         let next = place(piece, s, uv);
-        if (settled) {
-            best = next;
-            break;
-        }
-        if (k == 0u || next.squared < best.squared) {
+        let improved = k == 0u || next.squared < best.squared;
+        if (improved) {
             best = next;
             step = newton_step(best);
         } else {
-            settled = best.squared <= NEAR_PX * NEAR_PX;
             step = step * 0.5;
         }
+        let is_last = best.squared <= LAST_PX * LAST_PX && max(abs(step.x), abs(step.y)) <= LAST_STEP;
+        if (is_last) {
+            return arrived(piece, best, step);
+        }
+        if (best.squared <= FINE_PX * FINE_PX) {
+            return arrived(piece, best, vec2<f32>());
+        }
         uv = min(max(best.uv + step * size, low), high);
-        settled = settled || best.squared <= FINE_PX * FINE_PX || is_least(best, low, high) || all(uv == best.uv);
-        if (settled) {
-            // Once more, at the nearest place inside the piece.
-            uv = min(max(best.uv, piece.rectangle.xy), piece.rectangle.zw);
-            if (all(uv == best.uv)) {
-                break;
-            }
+        if (improved && !promises(best, (uv - best.uv) / size)) {
+            return Outcome(MISS, uv, 0.0);
         }
     }
-    if (!settled || any(best.uv != uv)) {
-        return Outcome(UNCONVERGED, best.uv, best.depth);
-    }
-    if (best.squared <= near_squared(best, size) && best.depth >= 0.0 && best.depth <= 1.0) {
-        return Outcome(HIT, best.uv, best.depth);
-    }
-    return Outcome(MISS, best.uv, best.depth);
+    return Outcome(UNCONVERGED, uv, 0.0);
 }
 
-fn near_squared(at: Place, size: vec2<f32>) -> f32 {
-    let coarse = PARAMETER_ULP * (sqrt(dot(at.along_u, at.along_u)) / size.x + sqrt(dot(at.along_v, at.along_v)) / size.y);
-    let near = max(NEAR_PX, coarse);
-    return near * near;
+fn arrived(piece: PieceRecord, at: Place, step: vec2<f32>) -> Outcome {
+    let size = extent(piece);
+    let uv = at.uv + step * size;
+    let inside = min(max(uv, piece.rectangle.xy), piece.rectangle.zw);
+    // How far the border is, in pixels, and along the ray.
+    let back = (inside - uv) / size;
+    let away = moved(at, back);
+    let depth = at.depth.x + at.depth.y * (step.x + back.x) + at.depth.z * (step.y + back.y);
+    let near = dot(away, away) <= NEAR_PX * NEAR_PX;
+    return Outcome(select(MISS, HIT, near && depth >= 0.0 && depth <= 1.0), inside, depth);
+}
+
+fn promises(at: Place, step: vec2<f32>) -> bool {
+    let left = at.offset + moved(at, step);
+    return at.squared == GREATEST || dot(left, left) <= (1.0 - PROMISE) * at.squared;
+}
+
+fn moved(at: Place, step: vec2<f32>) -> vec2<f32> {
+    return at.along_u * step.x + at.along_v * step.y;
 }
 
 fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
@@ -194,17 +202,22 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     var out: Place;
     out.uv = uv;
     out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / w;
-    out.in_front = w > 0.0;
-    out.squared = select(GREATEST, dot(out.offset, out.offset), out.in_front);
-    out.along_u = along(s, out.offset, d.su) * (size.x / w);
-    out.along_v = along(s, out.offset, d.sv) * (size.y / w);
-    out.depth = plane(s.z, d.s) / w;
+    out.squared = select(GREATEST, dot(out.offset, out.offset), w > 0.0);
+    out.depth.x = plane(s.z, d.s) / w;
+    let value = vec3<f32>(out.offset, out.depth.x);
+    let along_u = along(s, value, d.su) * (size.x / w);
+    let along_v = along(s, value, d.sv) * (size.y / w);
+    out.along_u = along_u.xy;
+    out.along_v = along_v.xy;
+    out.depth.y = along_u.z;
+    out.depth.z = along_v.z;
     return out;
 }
 
 // The derivative of a quotient, times w: what is left of the planes' own slopes is that of w, seen at the offset.
-fn along(s: Sight, offset: vec2<f32>, derivative: vec3<f32>) -> vec2<f32> {
-    return vec2<f32>(dot(s.x.xyz, derivative), dot(s.y.xyz, derivative)) - offset * dot(s.w.xyz, derivative);
+fn along(s: Sight, value: vec3<f32>, derivative: vec3<f32>) -> vec3<f32> {
+    let slopes = vec3<f32>(dot(s.x.xyz, derivative), dot(s.y.xyz, derivative), dot(s.z.xyz, derivative));
+    return slopes - value * dot(s.w.xyz, derivative);
 }
 
 fn newton_step(at: Place) -> vec2<f32> {
@@ -235,11 +248,4 @@ fn newton_step(at: Place) -> vec2<f32> {
         return step / longest;
     }
     return step;
-}
-
-fn is_least(at: Place, low: vec2<f32>, high: vec2<f32>) -> bool {
-    let slope = vec2<f32>(dot(at.along_u, at.offset), dot(at.along_v, at.offset));
-    let outward = ((at.uv <= low) & (slope > vec2<f32>())) | ((at.uv >= high) & (slope < vec2<f32>()));
-    let fall = select(abs(slope), vec2<f32>(), outward);
-    return at.in_front && fall.x + fall.y < 0.25 * at.squared;
 }

@@ -10,7 +10,7 @@ use compare::Verdict;
 use gbuffer::{ShadeKind, Shading};
 use glam::{DQuat, DVec3};
 use pipeline::fragment::{Fragment, fragment_row};
-use pipeline::{PackedScene, Proxy, Scheme};
+use pipeline::{PackedScene, Proxy, Scheme, Technique, View};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Ray, Viewport};
 use serde::Serialize;
@@ -106,7 +106,9 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let models: Vec<(Model, usize, f64)> =
         TABLE_1.iter().map(|&(name, cells, fps)| (formats::builtin(name).expect("built in"), cells, fps)).collect();
     for (model, _, _) in &models {
-        agree(model, device.as_ref(), args.drawing.plan().scheme)?;
+        for technique in Technique::ALL {
+            agree(model, device.as_ref(), Plan { technique, ..args.drawing.plan() })?;
+        }
     }
     let rational = formats::builtin("rational").expect("built in");
     let points = points();
@@ -125,15 +127,16 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         Sample::new("ray, grazing, the same", "µs/ray", "≤ 35".to_owned()),
     ];
     let adapter = device.as_ref().map(|d| format!("{} ({} {})", d.info().name, d.info().driver, d.info().driver_info));
-    let mut drawing: Vec<[Sample; 2]> = models
-        .iter()
-        .map(|(model, _, fps)| {
-            let reference = format!("Kanai, GeForce 7900 GTX: {fps}");
-            let size = format!("{}x{}", args.side, args.side);
-            [
-                Sample::new(format!("raster, {} {size}", model.name()), "frames/s", reference.clone()),
-                Sample::new(format!("gpu, {} {size}", model.name()), "frames/s", reference),
-            ]
+    let drawn = models.iter().flat_map(|of_model| Technique::ALL.map(|technique| (of_model, technique)));
+    let mut drawing: Vec<[Sample; 2]> = drawn
+        .clone()
+        .map(|((model, _, fps), technique)| {
+            let reference = match technique {
+                Technique::Fragment => format!("Kanai, GeForce 7900 GTX: {fps}"),
+                Technique::Exact => "≥ 1/4 of technique fragment".to_owned(),
+            };
+            let what = format!("{} {}x{}, {}", model.name(), args.side, args.side, technique.name());
+            ["raster", "gpu"].map(|renderer| Sample::new(format!("{renderer}, {what}"), "frames/s", reference.clone()))
         })
         .collect();
     let bar = crate::terminal::progress("rounds", usize::from(args.rounds));
@@ -142,18 +145,12 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         evaluation[1].values.push(evaluate_f32(&rational, &points)?);
         casting[0].values.push(cast(&caster, &top_down));
         casting[1].values.push(cast(&caster, &grazing));
-        for ((model, cells, _), [raster, on_gpu]) in models.iter().zip(&mut drawing) {
+        for (((model, cells, _), technique), [raster, on_gpu]) in drawn.clone().zip(&mut drawing) {
             let cameras = turning(model, viewport, usize::from(args.frames), f64::from(round));
-            raster.values.push(frames_on_cpu(model, *cells, &cameras[..1], viewport, args.drawing.plan().scheme)?);
+            let frames = Frames::new(model, technique, args.drawing.plan().scheme, *cells, &cameras, viewport)?;
+            raster.values.push(frames.on_cpu());
             if let Some(device) = &device {
-                on_gpu.values.push(frames_on_gpu(
-                    device,
-                    model,
-                    *cells,
-                    &cameras,
-                    viewport,
-                    args.drawing.plan().scheme,
-                )?);
+                on_gpu.values.push(frames.on_gpu(device)?);
             }
         }
         bar.inc(1);
@@ -196,9 +193,9 @@ fn print(args: &BenchArgs, adapter: Option<&str>, figures: &[Figure]) -> Result<
 }
 
 /// Renderers whose pictures disagree are not timed.
-fn agree(model: &Model, device: Option<&gpu::Device>, scheme: Scheme) -> Result<()> {
+fn agree(model: &Model, device: Option<&gpu::Device>, plan: Plan) -> Result<()> {
     let viewport = Viewport::new(CHECK, CHECK)?;
-    let stage = Stage::new(model, Camera::framing(model, viewport), viewport, Plan { scheme, ..Plan::default() })?;
+    let stage = Stage::new(model, Camera::framing(model, viewport), viewport, plan)?;
     let caster = Caster::new(model);
     let (raycast, raster) = (stage.raycast(&caster), stage.raster());
     let mut pairs = vec![stage.against_raycast(&caster, &raycast, &raster)?];
@@ -287,33 +284,53 @@ fn turning(model: &Model, viewport: Viewport, frames: usize, start: f64) -> Vec<
         .collect()
 }
 
-fn frames_on_cpu(model: &Model, cells: usize, cameras: &[Camera], viewport: Viewport, scheme: Scheme) -> Result<f64> {
-    let scene = PackedScene::new(model, scheme)?;
-    let proxy = Proxy::uniform(model, &scene, cells)?;
-    let views: Vec<_> = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
-    let options = raster::Options { curvature: false, interpolated_normals: false };
-    let metas: Vec<_> = cameras.iter().map(|camera| gbuffer::Meta::new("raster", "fragment", model, camera)).collect();
-    let start = Instant::now();
-    for ((camera, views), meta) in cameras.iter().zip(&views).zip(metas) {
-        let drawing = raster::Drawing { scene: &scene, proxy: &proxy, views, camera, viewport, options };
-        black_box(raster::Rasterizer::new(drawing).render(meta, &|_| {}));
-    }
-    Ok(cameras.len() as f64 / start.elapsed().as_secs_f64())
+/// The frames of a turning model, by one technique.
+struct Frames<'a> {
+    model: &'a Model,
+    technique: Technique,
+    scene: PackedScene,
+    proxy: Proxy,
+    cameras: &'a [Camera],
+    views: Vec<Vec<View>>,
+    viewport: Viewport,
 }
 
-fn frames_on_gpu(
-    device: &gpu::Device,
-    model: &Model,
-    cells: usize,
-    cameras: &[Camera],
-    viewport: Viewport,
-    scheme: Scheme,
-) -> Result<f64> {
-    let scene = PackedScene::new(model, scheme)?;
-    let proxy = Proxy::uniform(model, &scene, cells)?;
-    let views: Vec<_> = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
-    let mut renderer = gpu::Renderer::new(device, &scene, &proxy, gpu::RendererOptions::default())?;
-    let camera = cameras.first().context("a round has frames")?;
-    let shading = Shading::new(ShadeKind::Isophotes).uniform(camera, model.hull().diagonal());
-    Ok(renderer.time_shaded(&views, &shading, viewport)?.frames_per_second())
+impl<'a> Frames<'a> {
+    fn new(
+        model: &'a Model,
+        technique: Technique,
+        scheme: Scheme,
+        cells: usize,
+        cameras: &'a [Camera],
+        viewport: Viewport,
+    ) -> Result<Self> {
+        let scene = PackedScene::new(model, scheme)?;
+        let camera = cameras.first().context("a round has frames")?;
+        let proxy = match technique {
+            Technique::Fragment => Proxy::uniform(model, &scene, cells)?,
+            Technique::Exact => Proxy::hulls(model, &scene, camera, viewport)?,
+        };
+        let views = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
+        Ok(Self { model, technique, scene, proxy, cameras, views, viewport })
+    }
+
+    /// Frames a second of the rasterizer, which draws the first one alone.
+    fn on_cpu(&self) -> f64 {
+        let Self { scene, proxy, viewport, .. } = self;
+        let (camera, views) = (&self.cameras[0], &self.views[0]);
+        let options = raster::Options { curvature: false, interpolated_normals: false };
+        let meta = gbuffer::Meta::new("raster", self.technique.name(), self.model, camera);
+        let start = Instant::now();
+        let drawing = raster::Drawing { scene, proxy, views, camera, viewport: *viewport, options };
+        black_box(raster::Rasterizer::new(drawing).render(meta, &|_| {}));
+        1.0 / start.elapsed().as_secs_f64()
+    }
+
+    /// Frames a second of the GPU, shaded in the fragment stage.
+    fn on_gpu(&self, device: &gpu::Device) -> Result<f64> {
+        let mut renderer = gpu::Renderer::new(device, &self.scene, &self.proxy, gpu::RendererOptions::default())?;
+        let size = self.model.hull().diagonal();
+        let shading = Shading::new(ShadeKind::Isophotes).uniform(&self.cameras[0], size);
+        Ok(renderer.time_shaded(&self.views, &shading, self.viewport)?.frames_per_second())
+    }
 }

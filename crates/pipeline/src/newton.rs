@@ -6,14 +6,17 @@
 //!
 //! * **Seeds.** The ray enters and leaves the piece's hull; at both places the piece, taken as flat, says (u, v). Where
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
-//!   meets it twice (a fold) meets it once from either end.
+//!   meets it twice (a fold) runs along its hull, and meets it once from either end.
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, none leaves it by more than [`BEYOND`] of it. A
 //!   step that brings the offset no nearer to zero is halved.
-//! * **End.** At [`FINE_PX`]; where no step helps any more; after [`EVALUATIONS`].
-//! * **Outcome.** A hit where the offset at the nearest (u, v) inside the piece is at most [`NEAR_PX`] (or what one
-//!   ulp of the parameters moves) and the point is between the near and the far plane. A miss where the search came
-//!   to the border, or where the offset has a minimum that is no zero. Anything else has not converged, and says so.
+//! * **End.** Where the offset is so small that Newton's next step is as good as exact ([`LAST_PX`], [`LAST_STEP`]): it
+//!   is taken and not evaluated, for what it leaves is quadratic in it. Or where the tangent plane, followed as far as
+//!   the step may go, brings the offset not even to half ([`PROMISE`]): it has a minimum there that is no zero, or the
+//!   ray passes the piece. Or after [`EVALUATIONS`].
+//! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] of its border, between the near
+//!   and the far plane. A miss where it lies beyond, or where no step promised enough. Anything else has not converged,
+//!   and says so.
 
 use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives};
@@ -22,16 +25,29 @@ use crate::layout::{PieceRecord, View};
 use nurbs::MAX_ORDER;
 
 /// Evaluations of S from one seed, at most.
-pub const EVALUATIONS: u32 = 24;
+pub const EVALUATIONS: u32 = 16;
 
-/// An offset that needs no further step, pixels.
-pub const FINE_PX: f32 = 1.0 / 2048.0;
+/// The greatest offset from which Newton's step is the last, pixels.
+pub const LAST_PX: f32 = 1.0 / 16.0;
 
-/// The greatest offset of a point that counts as on the ray, pixels.
+/// The longest such step, as a share of the piece: a piece turns by half a radian at most, so the step leaves less
+/// than 1/64 of the offset.
+pub const LAST_STEP: f32 = 1.0 / 16.0;
+
+/// An offset that counts as none, pixels. At a silhouette Newton's step is long however small the offset.
+pub const FINE_PX: f32 = 1.0 / 1024.0;
+
+/// How far beyond its border a place counts as on the piece, pixels: pieces that share a border leave no crack.
 pub const NEAR_PX: f32 = 1.0 / 256.0;
+
+/// The least share of the squared offset that a step must promise to take away.
+pub const PROMISE: f32 = 3.0 / 4.0;
 
 /// How far beyond the piece the search may go, as a share of it: there the polynomial goes on.
 pub const BEYOND: f32 = 1.0 / 8.0;
+
+/// How far inside the piece a seed stays, as a share of it: at a pole the derivatives tell no direction.
+pub const INSIDE: f32 = 1.0 / 16.0;
 
 /// Seeds nearer to each other than this share of the piece are one.
 pub const ONE_SEED: f32 = 1.0 / 4.0;
@@ -41,9 +57,6 @@ pub const NEARLY_SINGULAR: f32 = 1.0 / 1024.0;
 
 /// Weight of the damping then, as a share of the squared columns.
 pub const DAMPING: f32 = 1.0 / 4096.0;
-
-/// A rounding of either parameter, in local units: an ulp just below 1.
-pub const PARAMETER_ULP: f32 = 1.0 / 16777216.0;
 
 /// What a piece is to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,10 +108,8 @@ struct Place {
     along_u: [f32; 2],
     /// The same for v.
     along_v: [f32; 2],
-    /// z / w.
-    depth: f32,
-    /// Whether the point is in front of the eye.
-    in_front: bool,
+    /// z / w, and its derivatives by u and v times the piece's extents.
+    depth: [f32; 3],
 }
 
 /// The nearest point of a piece on a pixel's ray.
@@ -155,7 +166,11 @@ fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<[[f32; 2]; 2]> {
             dot(row, from) + along * dot(row, direction)
         });
         let [u, v] = [0, 1].map(|k| piece.flat[k] + piece.flat[2 + k] * h[k]);
-        [u.max(piece.rectangle[0]).min(piece.rectangle[2]), v.max(piece.rectangle[1]).min(piece.rectangle[3])]
+        let inside = |k: usize, t: f32| {
+            let margin = INSIDE * extent(piece)[k];
+            t.max(piece.rectangle[k] + margin).min(piece.rectangle[2 + k] - margin)
+        };
+        [inside(0, u), inside(1, v)]
     };
     Some([parameters(near), parameters(far)])
 }
@@ -201,47 +216,60 @@ fn search<const CAPACITY: usize>(
     let mut uv = seed;
     let mut best = place::<CAPACITY>(scene, piece, sight, degree, uv);
     let mut step = newton_step(&best);
-    let mut settled = false;
     for k in 0..EVALUATIONS {
+        let mut improved = true;
         if k > 0 {
             let next = place::<CAPACITY>(scene, piece, sight, degree, uv);
-            if settled {
-                best = next;
-                break;
-            }
-            if next.squared < best.squared {
+            improved = next.squared < best.squared;
+            if improved {
                 best = next;
                 step = newton_step(&best);
             } else {
-                settled = best.squared <= NEAR_PX * NEAR_PX;
                 step = step.map(|x| x * 0.5);
             }
         }
+        let is_last = best.squared <= LAST_PX * LAST_PX && step[0].abs().max(step[1].abs()) <= LAST_STEP;
+        if is_last {
+            return arrived(piece, &best, step);
+        }
+        if best.squared <= FINE_PX * FINE_PX {
+            return arrived(piece, &best, [0.0; 2]);
+        }
         uv = [0, 1].map(|k| (best.uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
-        settled = settled || best.squared <= FINE_PX * FINE_PX || is_least(&best, low, high) || uv == best.uv;
-        if settled {
-            // Once more, at the nearest place inside the piece.
-            uv = [0, 1].map(|k| best.uv[k].max(piece.rectangle[k]).min(piece.rectangle[2 + k]));
-            if uv == best.uv {
-                break;
-            }
+        if improved && !promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k])) {
+            return Outcome::Miss;
         }
     }
-    if !settled || best.uv != uv {
-        return Outcome::Unconverged;
-    }
-    if best.squared <= near_squared(&best, extent) && best.depth >= 0.0 && best.depth <= 1.0 {
-        return Outcome::Hit { uv: best.uv, depth: best.depth };
-    }
-    Outcome::Miss
+    Outcome::Unconverged
 }
 
-/// The square of the greatest offset of a hit: [`NEAR_PX`], or what an ulp of either parameter moves.
-fn near_squared(at: &Place, extent: [f32; 2]) -> f32 {
-    let along = |a: [f32; 2], extent: f32| (a[0] * a[0] + a[1] * a[1]).sqrt() / extent;
-    let coarse = PARAMETER_ULP * (along(at.along_u, extent[0]) + along(at.along_v, extent[1]));
-    let near = NEAR_PX.max(coarse);
-    near * near
+/// What it means to end at a place and a step from there.
+#[inline]
+fn arrived(piece: &PieceRecord, at: &Place, step: [f32; 2]) -> Outcome {
+    let extent = extent(piece);
+    let uv = [0, 1].map(|k| at.uv[k] + step[k] * extent[k]);
+    let inside = [0, 1].map(|k| uv[k].max(piece.rectangle[k]).min(piece.rectangle[2 + k]));
+    // How far the border is, in pixels, and along the ray.
+    let back = [0, 1].map(|k| (inside[k] - uv[k]) / extent[k]);
+    let moved = moved(at, back);
+    let depth = at.depth[0] + at.depth[1] * (step[0] + back[0]) + at.depth[2] * (step[1] + back[1]);
+    let near = moved[0] * moved[0] + moved[1] * moved[1] <= NEAR_PX * NEAR_PX;
+    if near && depth >= 0.0 && depth <= 1.0 { Outcome::Hit { uv: inside, depth } } else { Outcome::Miss }
+}
+
+/// Whether the tangent plane, followed by `step`, takes [`PROMISE`] of the squared offset away. Behind the eye anything
+/// may come.
+#[inline]
+fn promises(at: &Place, step: [f32; 2]) -> bool {
+    let moved = moved(at, step);
+    let left = [at.offset[0] + moved[0], at.offset[1] + moved[1]];
+    at.squared == f32::MAX || left[0] * left[0] + left[1] * left[1] <= (1.0 - PROMISE) * at.squared
+}
+
+/// By how many pixels a step along the tangent plane moves the offset.
+#[inline(always)]
+fn moved(at: &Place, step: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|k| at.along_u[k] * step[0] + at.along_v[k] * step[1])
 }
 
 #[inline(always)]
@@ -262,20 +290,22 @@ fn place<const CAPACITY: usize>(
     let extent = extent(piece);
     let w = plane(&sight.w, s);
     let offset = [plane(&sight.x, s) / w, plane(&sight.y, s) / w];
+    let depth = plane(&sight.z, s) / w;
     // The derivative of a quotient: what is left of the plane's own slope is that of w, seen at the offset.
     let along = |derivative: [f32; 3], extent: f32| {
         let of = |p: &[f32; 4]| dot([p[0], p[1], p[2]], derivative);
-        let slope = of(&sight.w);
-        [(of(&sight.x) - offset[0] * slope) * (extent / w), (of(&sight.y) - offset[1] * slope) * (extent / w)]
+        let (slope, share) = (of(&sight.w), extent / w);
+        let quotient = |p: &[f32; 4], value: f32| (of(p) - value * slope) * share;
+        [quotient(&sight.x, offset[0]), quotient(&sight.y, offset[1]), quotient(&sight.z, depth)]
     };
+    let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
     Place {
         uv,
         offset,
         squared: if w > 0.0 { offset[0] * offset[0] + offset[1] * offset[1] } else { f32::MAX },
-        along_u: along(su, extent[0]),
-        along_v: along(sv, extent[1]),
-        depth: plane(&sight.z, s) / w,
-        in_front: w > 0.0,
+        along_u: [along_u[0], along_u[1]],
+        along_v: [along_v[0], along_v[1]],
+        depth: [depth, along_u[2], along_v[2]],
     }
 }
 
@@ -300,19 +330,6 @@ fn newton_step(at: &Place) -> [f32; 2] {
     };
     let longest = step[0].abs().max(step[1].abs());
     if longest > 1.0 { [step[0] / longest, step[1] / longest] } else { step }
-}
-
-/// Whether the offset's tangent plane reaches nothing that is half as near, however far on the piece it is followed:
-/// the offset has a minimum there that is no zero. At a border, what leads out of it does not count.
-#[inline]
-fn is_least(at: &Place, low: [f32; 2], high: [f32; 2]) -> bool {
-    let Place { uv, offset, squared, along_u, along_v, in_front, .. } = *at;
-    let fall = |along: [f32; 2], k: usize| {
-        let slope = along[0] * offset[0] + along[1] * offset[1];
-        let outward = (uv[k] <= low[k] && slope > 0.0) || (uv[k] >= high[k] && slope < 0.0);
-        if outward { 0.0 } else { slope.abs() }
-    };
-    in_front && fall(along_u, 0) + fall(along_v, 1) < 0.25 * squared
 }
 
 #[inline(always)]

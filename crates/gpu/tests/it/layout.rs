@@ -116,11 +116,14 @@ fn constants_have_the_same_values() {
     for (name, value) in [
         ("FINE_PX", newton::FINE_PX),
         ("NEAR_PX", newton::NEAR_PX),
+        ("LAST_PX", newton::LAST_PX),
+        ("LAST_STEP", newton::LAST_STEP),
+        ("PROMISE", newton::PROMISE),
+        ("INSIDE", newton::INSIDE),
         ("BEYOND", newton::BEYOND),
         ("ONE_SEED", newton::ONE_SEED),
         ("NEARLY_SINGULAR", newton::NEARLY_SINGULAR),
         ("DAMPING", newton::DAMPING),
-        ("PARAMETER_ULP", newton::PARAMETER_ULP),
         ("GREATEST", f32::MAX),
     ] {
         assert_eq!(constant(&exact, name), Literal::F32(value), "{name}");
