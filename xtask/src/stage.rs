@@ -85,14 +85,18 @@ pub struct ShadedReport {
 }
 
 /// The ray caster, asked at any position.
-struct Rays<'a> {
-    stage: &'a Stage<'a>,
-    caster: &'a Caster<'a>,
+pub struct Rays<'a> {
+    /// It.
+    pub caster: &'a Caster<'a>,
+    /// Who looks.
+    pub camera: Camera,
+    /// At how many pixels.
+    pub viewport: Viewport,
 }
 
 impl Sampler for Rays<'_> {
     fn first(&self, x: f64, y: f64) -> Option<Hit> {
-        self.caster.first(&self.stage.camera.ray(self.stage.viewport, x, y)).hit
+        self.caster.first(&self.camera.ray(self.viewport, x, y)).hit
     }
 }
 
@@ -190,7 +194,7 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the buffers cannot be compared.
     pub fn against_raycast(&self, caster: &Caster, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
-        let sampler = Rays { stage: self, caster };
+        let sampler = Rays { caster, camera: self.camera, viewport: self.viewport };
         let deviation = Deviation::of_proxy(self.model, &self.proxy.chord);
         self.pair(reference, &sampler, candidate, &deviation, true)
     }

@@ -18,7 +18,7 @@ mod tolerance;
 
 pub use attribution::NEARLY;
 pub use cause::Cause;
-pub use deviation::{ATTRIBUTE_ULPS, Deviation, SNAP_PX};
+pub use deviation::{ATTRIBUTE_ULPS, Deviation, EXACT_PX, SNAP_PX};
 pub use error::CompareError;
 pub use judge::Judge;
 pub use report::{Coverage, PairReport, PixelReport, Verdict};
