@@ -5,7 +5,7 @@
 
 use super::{CompareArgs, answer, pictures::Pictures, table};
 use crate::info::TRIM_NOTE;
-use crate::stage::Rays;
+use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
@@ -35,8 +35,18 @@ pub struct SavedFile {
     /// What it holds; its camera in the words of [`Camera`], so that two of one scene are equal.
     pub buffer: GBuffer,
     camera: Camera,
-    /// Whether it is the ray caster's.
-    is_raycast: bool,
+    origin: Origin,
+}
+
+/// Who drew a buffer, as far as the judge need know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    /// Our ray caster: the reference.
+    Raycast,
+    /// One of our rasterizers, whose triangles can be made again.
+    Twin,
+    /// Someone else.
+    Foreign,
 }
 
 /// One or two saved G-buffers of one scene.
@@ -73,9 +83,13 @@ impl SavedFile {
             bail!("{}: meta's renderer {name:?} is not a name of 1 to {MAX_NAME} printable characters", place());
         }
         let camera = Camera::deserialize(&meta.camera).with_context(|| format!("{}: meta's camera", place()))?;
-        let is_raycast = (meta.renderer.as_str(), meta.technique.as_str()) == (RAYCAST, "rays");
+        let origin = match (name.as_str(), meta.technique.as_str()) {
+            (RAYCAST, "rays") => Origin::Raycast,
+            ("raster" | "gpu", "fragment") => Origin::Twin,
+            _ => Origin::Foreign,
+        };
         let meta = Meta { camera: json!(camera), ..meta.clone() };
-        Ok(Self { path: path.to_owned(), buffer: buffer.with_meta(meta), camera, is_raycast })
+        Ok(Self { path: path.to_owned(), buffer: buffer.with_meta(meta), camera, origin })
     }
 
     fn place(&self) -> std::path::Display<'_> {
@@ -121,12 +135,14 @@ impl SavedFile {
         Ok(())
     }
 
-    /// What this renderer is granted against the surface itself.
-    fn deviation(&self, saved: &Saved, chord_px: f64) -> Result<Deviation> {
-        match self.buffer.meta().technique.as_str() {
-            "fragment" => Ok(Deviation::of_claimed_chord(&saved.model, &saved.camera, saved.viewport, chord_px)),
-            "exact" | "rays" => Ok(Deviation::exact(&saved.model)),
-            other => bail!("{}: meta's technique {other:?} is none of fragment, exact, rays", self.place()),
+    /// What this renderer is granted against the surface itself; `twins` is the stage of our own rasterizers.
+    fn deviation(&self, saved: &Saved, plan: Plan, twins: Option<&Stage>) -> Result<Deviation> {
+        let Saved { model, camera, viewport, .. } = saved;
+        match (self.buffer.meta().technique.as_str(), twins.filter(|_| self.origin == Origin::Twin)) {
+            ("fragment", Some(stage)) => Ok(Deviation::of_proxy(model, &stage.proxy.chord)),
+            ("fragment", None) => Ok(Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px)),
+            ("exact" | "rays", _) => Ok(Deviation::exact(model)),
+            (other, _) => bail!("{}: meta's technique {other:?} is none of fragment, exact, rays", self.place()),
         }
     }
 }
@@ -165,41 +181,50 @@ impl Saved {
     }
 
     /// Judges each candidate against the ray caster, whose buffer is one of the files or is cast now, and the second
-    /// candidate against the first. Flat triangles are granted `chord_px` pixels.
+    /// candidate against the first.
+    ///
+    /// Flat triangles are granted the plan's chord error. Where both candidates are our own rasterizers', drawn by this
+    /// very plan, they are compared as the twins that they are: of the same triangles.
     ///
     /// # Errors
     /// Where the chord error is not positive, a technique is unknown, or there is nothing to compare.
-    pub fn compare(&self, chord_px: f64) -> Result<SavedComparison> {
-        if chord_px <= 0.0 || !chord_px.is_finite() {
-            bail!("a chord error of {chord_px} pixels: it must be positive");
+    pub fn compare(&self, plan: Plan) -> Result<SavedComparison> {
+        if plan.chord_px <= 0.0 || !plan.chord_px.is_finite() {
+            bail!("a chord error of {} pixels: it must be positive", plan.chord_px);
         }
-        let caster = Caster::new(&self.model);
-        let rays = Rays { caster: &caster, camera: self.camera, viewport: self.viewport };
-        let judge = Judge::new(&self.model, &self.camera, self.viewport);
-        let given = self.files.iter().position(|file| file.is_raycast);
-        let candidates: Vec<&SavedFile> =
-            self.files.iter().enumerate().filter(|(i, _)| Some(*i) != given).map(|(_, file)| file).collect();
+        let given = self.files.iter().position(|file| file.origin == Origin::Raycast);
+        let others = self.files.iter().enumerate().filter(|(i, _)| Some(*i) != given);
+        let candidates: Vec<&SavedFile> = others.map(|(_, file)| file).collect();
         if candidates.is_empty() {
             bail!("{}: it is the ray caster's own, and there is no other to judge", self.files[0].place());
         }
+        let twins = candidates.iter().filter(|file| file.origin == Origin::Twin).count();
+        let stage = || Stage::new(&self.model, self.camera, self.viewport, plan);
+        let stage = (twins > 0).then(stage).transpose()?;
+        let deviations: Vec<Deviation> =
+            candidates.iter().map(|file| file.deviation(self, plan, stage.as_ref())).collect::<Result<_>>()?;
+        let caster = Caster::new(&self.model);
         let cast = given.is_none().then(|| {
             let bar = terminal::progress(RAYCAST, self.viewport.height());
             caster.render(&self.camera, self.viewport, &|rows| bar.inc(rows as u64))
         });
         let reference = cast.as_ref().unwrap_or_else(|| &self.files[given.expect("none was cast")].buffer);
+        let rays = Rays { caster: &caster, camera: self.camera, viewport: self.viewport };
+        let judge = Judge::new(&self.model, &self.camera, self.viewport);
         let pair = |a: &GBuffer, b: &GBuffer, deviation: &Deviation, exact: bool| -> Result<PairReport> {
             let what = format!("{} | {}", a.meta().renderer, b.meta().renderer);
             let bar = terminal::progress(&what, self.viewport.height());
             Ok(judge.pair(a, &rays, b, deviation, exact, &|rows| bar.inc(rows as u64))?)
         };
-        let deviations =
-            candidates.iter().map(|file| file.deviation(self, chord_px)).collect::<Result<Vec<Deviation>>>()?;
         let mut pairs = vec![];
         for (file, deviation) in candidates.iter().zip(&deviations) {
             pairs.push(pair(reference, &file.buffer, deviation, true)?);
         }
         if let ([a, b], [of_a, of_b]) = (&candidates[..], &deviations[..]) {
-            pairs.push(pair(&a.buffer, &b.buffer, &of_a.either(of_b), false)?);
+            pairs.push(match &stage {
+                Some(stage) if twins == 2 => stage.against_raster(&a.buffer, &b.buffer)?,
+                _ => pair(&a.buffer, &b.buffer, &of_a.either(of_b), false)?,
+            });
         }
         Ok(SavedComparison { cast, pairs })
     }
@@ -259,8 +284,8 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
     }
     let paths: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
     let saved = Saved::open(&paths, args.of_model.as_deref())?;
-    let chord_px = args.drawing.plan().chord_px;
-    let SavedComparison { cast, pairs } = saved.compare(chord_px)?;
+    let plan = args.drawing.plan();
+    let SavedComparison { cast, pairs } = saved.compare(plan)?;
     let buffers: Vec<&GBuffer> = cast.iter().chain(saved.files.iter().map(|file| &file.buffer)).collect();
     let reference = buffers.iter().find(|buffer| buffer.meta().renderer == pairs[0].reference);
     let report = Report {
@@ -269,7 +294,7 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
         size: [saved.viewport.width(), saved.viewport.height()],
         files: saved.files.iter().map(FileReport::new).collect(),
         rays_cast: cast.is_some(),
-        chord_px,
+        chord_px: plan.chord_px,
         pairs: &pairs,
         undecided: reference.map_or(0, |buffer| buffer.undecided()),
         note: saved.model.is_trimmed().then_some(TRIM_NOTE),
