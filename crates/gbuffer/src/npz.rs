@@ -15,10 +15,10 @@
 //! | `status` | u8 | [`NormalStatus`]: 0 regular, 1 limit, 2 undefined | 255 | undefined where `normal` is all NaN, else regular |
 //! | `k1`, `k2` | f64 | principal curvatures, 1 / model unit; NaN where there are none | NaN | both: none |
 //! | `undecided` | u8 | 1 where the renderer could not decide, else 0 | 0 or 1 | 0 |
-//! | `meta` | one text, `<U…` | a JSON object, see [`Meta`]; `json.loads(str(z["meta"]))` | | refused |
+//! | `meta` | one text, `<U…` | a JSON object, see [`Meta`](crate::Meta); `json.loads(str(z["meta"]))` | | refused |
 //!
 //! Read are also `<f4` for `<f8`, and `|u1`, `|b1`, `|i1`, `<u2`, `<i2`, `<u4`, `<i4`, `<i8` for one another, as long as
-//! the value fits; `meta` may be bytes (`|S…`, UTF-8). Where nothing is hit nothing else but `undecided` is looked at.
+//! the value fits; `meta` may be bytes (`|S…`, or one dimension of `|u1` or `|i1`; UTF-8). Where nothing is hit nothing else but `undecided` is looked at.
 //! Any other entry is refused, so that a slip in a name does not pass for an absent array.
 //! Whether a value is plausible (a normal of unit length, a point on the surface) is not judged here: that is the
 //! comparer's work, and a file with wrong values must reach it.
@@ -27,14 +27,14 @@
 //! header as a file claims to have and overflows on the product of a shape.
 
 mod element;
+mod meta;
 mod read;
 
 use crate::npy::Header;
-use crate::{GBuffer, GBufferError, Hit, Meta};
+use crate::{GBuffer, GBufferError, Hit};
 use glam::DVec3;
+use meta::MetaText;
 use scene::Viewport;
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Cursor, Seek, Write};
 use std::path::Path;
@@ -198,33 +198,4 @@ impl<W: Write + Seek> Archive<'_, W> {
 /// Rows, columns and, for vectors, components.
 fn shape(viewport: Viewport, components: Option<u64>) -> Vec<u64> {
     [viewport.height() as u64, viewport.width() as u64].into_iter().chain(components).collect()
-}
-
-/// `meta` as it stands in the file; unknown keys are passed over.
-#[derive(Serialize, Deserialize)]
-struct MetaText {
-    renderer: String,
-    technique: String,
-    model: String,
-    model_hash: String,
-    camera: Value,
-    /// Width, height.
-    size: [usize; 2],
-    adapter: Option<String>,
-    driver: Option<String>,
-    #[serde(default)]
-    version: String,
-}
-
-impl MetaText {
-    fn new(buffer: &GBuffer) -> Self {
-        let Meta { renderer, technique, model, model_hash, camera, adapter, driver, version } = buffer.meta().clone();
-        let size = [buffer.viewport().width(), buffer.viewport().height()];
-        Self { renderer, technique, model, model_hash, camera, size, adapter, driver, version }
-    }
-
-    fn into_meta(self) -> Meta {
-        let Self { renderer, technique, model, model_hash, camera, size: _, adapter, driver, version } = self;
-        Meta { renderer, technique, model, model_hash, camera, adapter, driver, version }
-    }
 }

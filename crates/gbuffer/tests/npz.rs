@@ -418,6 +418,10 @@ fn malformed_meta_is_refused() {
     let good = r#"{"renderer": "r", "technique": "t", "model": "m", "model_hash": "h", "camera": {}, "size": [5, 3],
         "adapter": null, "version": "1"}"#;
     assert!(text(good).is_ok());
+    for descr in ["'|u1'", "'|i1'"] {
+        let row = array(descr, "False", &format!("({},)", good.len()), good.as_bytes());
+        assert!(changed("meta.npz", "meta", |_| Some(row.clone())).is_ok(), "a row of bytes, as C++ writers have it");
+    }
     assert!(text(&good.replace(r#", "version": "1""#, r#", "engine": [1]"#)).is_ok(), "version may be absent");
     for bad in ["", "[]", "{}", &good.replace("\"r\"", "1"), &good.replace('}', ""), &"[".repeat(100_000)] {
         assert!(matches!(text(bad).unwrap_err(), GBufferError::Meta { .. }), "{bad:.40}");
@@ -430,7 +434,9 @@ fn malformed_meta_is_refused() {
     };
     assert!(matches!(raw("'|S2'", "()", &[0xff, 0xfe]), GBufferError::Meta { .. }));
     assert!(matches!(raw("'<U1'", "()", &0xd800u32.to_le_bytes()), GBufferError::Meta { .. }));
-    assert!(matches!(raw("'<U1'", "(1,)", &[0; 4]), GBufferError::Shape { array: "meta", .. }));
+    assert!(matches!(raw("'<U1'", "(1,)", &[0; 4]), GBufferError::Dtype { array: "meta", .. }));
+    assert!(matches!(raw("'|u1'", "(2, 2)", &[0; 4]), GBufferError::Dtype { array: "meta", .. }));
+    assert!(matches!(raw("'|u1'", "(5,)", &[0; 4]), GBufferError::Data { array: "meta", .. }));
     assert!(matches!(raw("'|O'", "()", &[0; 4]), GBufferError::Dtype { array: "meta", .. }));
     assert!(matches!(raw("'<U1000000000000'", "()", &[0; 4]), GBufferError::Data { array: "meta", .. }));
     assert!(matches!(raw("'é'", "()", &[0; 4]), GBufferError::Dtype { array: "meta", .. }));

@@ -1,10 +1,10 @@
 //! Reading: what the archive claims is checked before memory is taken, then the arrays are read one by one.
 
-use super::element::{Decoder, Element, bytes};
-use super::{CHUNK_ELEMENTS, MetaText, shape};
+use super::element::{Decoder, Element};
+use super::{CHUNK_ELEMENTS, shape};
 use crate::buffer::{NO_HIT, Parts};
 use crate::npy::Header;
-use crate::{GBuffer, GBufferError, Hit, Meta, PrincipalCurvatures};
+use crate::{GBuffer, GBufferError, Hit, PrincipalCurvatures};
 use glam::{DVec2, DVec3};
 use nurbs::{Normal, NormalStatus};
 use scene::{Camera, FaceId, Viewport};
@@ -13,9 +13,6 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use zip::ZipArchive;
 use zip::result::ZipError;
-
-/// The longest `meta` read, characters.
-const MAX_META: usize = 1 << 20;
 
 /// Deflate makes no more than this out of a byte (258 bytes from two bits), so no honest array is longer than this many
 /// times its file.
@@ -151,9 +148,9 @@ struct Fill<'a> {
 }
 
 /// A zip archive being read.
-struct Source<'a, R> {
+pub(super) struct Source<'a, R> {
     zip: ZipArchive<R>,
-    path: &'a Path,
+    pub path: &'a Path,
     /// Length of the whole file.
     file_bytes: u64,
 }
@@ -270,7 +267,7 @@ impl<R: Read + Seek> Source<'_, R> {
     }
 
     /// Opens an array: its header, the bytes of its elements as the archive has them, and a reader at the first.
-    fn open(&mut self, array: &'static str) -> Result<(Header, u64, impl Read), GBufferError> {
+    pub fn open(&mut self, array: &'static str) -> Result<(Header, u64, impl Read), GBufferError> {
         let path = self.path;
         let mut entry = self.zip.by_name(&format!("{array}.npy")).map_err(|e| match e {
             ZipError::FileNotFound => GBufferError::MissingArray { path: path.to_owned(), array },
@@ -369,53 +366,10 @@ impl<R: Read + Seek> Source<'_, R> {
             i => set(&mut fill.hits[i as usize], values),
         })
     }
-
-    fn meta(&mut self, viewport: Viewport) -> Result<Meta, GBufferError> {
-        let (path, array) = (self.path, "meta");
-        let (header, size, mut reader) = self.open(array)?;
-        if !header.shape.is_empty() {
-            let (found, expected) = (header.shape, vec![]);
-            return Err(GBufferError::Shape { path: path.to_owned(), array, found, expected });
-        }
-        let dtype =
-            || GBufferError::Dtype {
-                path: path.to_owned(), array, found: header.descr.clone(), expected: "<U…, |S…"
-            };
-        let (unicode, count) = match header.descr.split_at_checked(2) {
-            Some(("<U", count)) => (true, count),
-            Some(("|S", count)) => (false, count),
-            _ => return Err(dtype()),
-        };
-        let count: usize = count.parse().map_err(|_| dtype())?;
-        let damaged = |reason: String| GBufferError::Data { path: path.to_owned(), array, reason };
-        if count > MAX_META {
-            return Err(damaged(format!("{count} characters, above {MAX_META}")));
-        }
-        let needed = if unicode { 4 * count } else { count };
-        if size != needed as u64 {
-            return Err(damaged(format!("{size} bytes where its type asks for {needed}")));
-        }
-        let mut text = vec![0; needed];
-        reader.read_exact(&mut text).map_err(|e| damaged(e.to_string()))?;
-        at_end(&mut reader).map_err(damaged)?;
-        let text = if unicode {
-            text.chunks_exact(4).map(|c| char::from_u32(u32::from_le_bytes(bytes(c)))).collect()
-        } else {
-            String::from_utf8(text).ok()
-        };
-        let malformed = |reason: String| GBufferError::Meta { path: path.to_owned(), reason };
-        let text = text.ok_or_else(|| malformed("it is not Unicode text".to_owned()))?;
-        let meta: MetaText = serde_json::from_str(text.trim_end_matches('\0')).map_err(|e| malformed(e.to_string()))?;
-        let arrays = [viewport.width(), viewport.height()];
-        if meta.size != arrays {
-            return Err(GBufferError::MetaSize { path: path.to_owned(), meta: meta.size, arrays });
-        }
-        Ok(meta.into_meta())
-    }
 }
 
 /// Nothing may follow the elements; the zip reader compares the checksum when it comes to the end.
-fn at_end(reader: &mut impl Read) -> Result<(), String> {
+pub(super) fn at_end(reader: &mut impl Read) -> Result<(), String> {
     match reader.read(&mut [0]) {
         Ok(0) => Ok(()),
         Ok(_) => Err("more bytes than its shape asks for".to_owned()),
