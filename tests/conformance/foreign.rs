@@ -3,7 +3,7 @@
 use compare::{Cause, PairReport, Verdict};
 use gbuffer::{GBuffer, Hit, Meta, PrincipalCurvatures};
 use glam::{DVec2, DVec3, Vec2Swizzles};
-use nurbs::Normal;
+use nurbs::{Direction, Normal};
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Ray, Viewport};
 use std::path::{Path, PathBuf};
@@ -156,6 +156,31 @@ fn each_mistake_of_a_foreign_renderer_is_caught_and_its_cause_named() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// Homogeneous coordinates about the world's origin, where ours are about the face's own.
+#[test]
+fn a_quotient_that_a_foreign_renderer_forgot_is_named() {
+    let model = formats::builtin("rational").expect("built in");
+    let viewport = Viewport::new(32, 24).expect("a legal size");
+    let caster = Caster::new(&model);
+    let sound = caster.render(&Camera::framing(&model, viewport), viewport, &|_| ());
+    let weight = |hit: &Hit| {
+        let surface = model.surface(hit.face);
+        let [u, v] = [(Direction::U, hit.uv.x), (Direction::V, hit.uv.y)].map(|(direction, t)| {
+            let knots = surface.knots(direction);
+            let span = knots.find_span(t);
+            (span - knots.degree(), nurbs::basis_derivatives(knots, span, t, 0)[0])
+        });
+        let (weights, columns) = (surface.weights().expect("rational"), surface.control_counts()[1]);
+        (0..4)
+            .flat_map(|i| (0..4).map(move |j| (i, j)))
+            .map(|(i, j)| u.1[i] * v.1[j] * weights[(u.0 + i) * columns + v.0 + j])
+            .sum::<f64>()
+    };
+    let faulty = each(&sound, |hit| Hit { position: weight(&hit) * hit.position, ..hit });
+    let pair = judged(&[written("numerator", &labelled(faulty, "homogeneous", "rays"))]).remove(0);
+    assert_eq!(pair.main_cause(), Some(Cause::Rational), "{:?}", pair.causes);
 }
 
 #[test]

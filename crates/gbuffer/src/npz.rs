@@ -82,13 +82,19 @@ impl GBuffer {
 
     /// Reads a file of the form described in this module.
     ///
-    /// Memory is that of the buffer it gives. A file can ask for no more than its own length lets it hold.
+    /// Memory is that of the buffer it gives. A file can ask for no more than its own length lets it hold. Pipes and
+    /// devices are refused, since they may never end.
     ///
     /// # Errors
     /// Any of the reading variants of [`GBufferError`], naming file, array and value.
     pub fn read_npz(path: impl AsRef<Path>) -> Result<Self, GBufferError> {
         let path = path.as_ref();
-        let file = File::open(path).map_err(|source| GBufferError::Io { path: path.to_owned(), source })?;
+        let io = |source| GBufferError::Io { path: path.to_owned(), source };
+        // Asked before opening: to open a pipe can wait for ever.
+        if !std::fs::metadata(path).map_err(io)?.is_file() {
+            return Err(io(io::Error::other("it is no regular file")));
+        }
+        let file = File::open(path).map_err(io)?;
         read::archive(BufReader::new(file), path)
     }
 
