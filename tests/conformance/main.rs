@@ -3,6 +3,7 @@
 mod arrows;
 mod evaluation;
 mod faults;
+mod foreign;
 mod golden;
 mod rays;
 mod three_way;

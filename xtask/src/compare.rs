@@ -1,31 +1,44 @@
-//! `compare`: render by all three, compare, and show a person the answer.
+//! `compare`: render by all three, or take what others rendered, compare, and show a person the answer.
+
+mod pictures;
+mod saved;
+mod table;
+
+pub use saved::{Saved, SavedFile};
 
 use crate::format::Format;
 use crate::info::TRIM_NOTE;
-use crate::stage::{Plan, Rendered, ShadedReport, Stage};
+use crate::stage::{Plan, ShadedReport, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use comfy_table::{Attribute, Cell, Color, Table, presets::UTF8_FULL_CONDENSED};
 use compare::{PairReport, Verdict};
 use gbuffer::{GBuffer, Picture, ShadeKind, Shading};
+use pictures::Pictures;
 use pipeline::{DEFAULT_CHORD_PX, Scheme, Technique};
 use raycast::Caster;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Pixels of the worst that the table lists for each pair.
-const LISTED: usize = 8;
-
-/// Render a model by the CPU rasterizer, the GPU and the ray caster, and compare the three
+/// Render a model by the CPU rasterizer, the GPU and the ray caster, and compare the three; or judge saved G-buffers
+///
+/// compare MODEL renders and compares. compare B.npz judges a saved G-buffer, of Isophote's or of a renderer of your
+/// own (docs/gbuffer.md), against rays cast now; compare A.npz B.npz judges both, and B against A. If one of the two is
+/// the ray caster's, it is the reference. Saved files bring their camera and size; their model is the built-in one that
+/// they name, or --model.
 ///
 /// Exit code 0: all pairs agree; 1: some pixel differs; 2: something could not run (no adapter counts).
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    #[command(flatten)]
-    model: ModelArgs,
+    /// A model file (.json, .bpt), the name of a built-in model (see `cargo xtask info --list`), or one or two saved
+    /// G-buffers (.npz)
+    #[arg(value_name = "MODEL|FILE.npz", num_args = 1..=2, default_value = "teapot")]
+    subjects: Vec<String>,
+    /// What saved G-buffers show, where that is no built-in model
+    #[arg(long = "model", value_name = "MODEL")]
+    of_model: Option<String>,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -50,7 +63,7 @@ pub struct DrawingArgs {
     /// Programs of a few specialised degrees, or one for any
     #[arg(long, value_enum, default_value = "specialised")]
     scheme: SchemeName,
-    /// Chord error of the tessellation, pixels
+    /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are granted
     #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, allow_negative_numbers = true)]
     chord: f64,
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
@@ -150,7 +163,26 @@ struct Report<'a> {
 /// # Errors
 /// Where input is bad or a picture cannot be written.
 pub fn run(args: &CompareArgs) -> Result<ExitCode> {
-    let model = args.model.open()?;
+    let is_saved = |subject: &&String| Path::new(subject).extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+    let subjects: Vec<&String> = args.subjects.iter().collect();
+    match (subjects.iter().copied().partition::<Vec<_>, _>(is_saved), &args.of_model) {
+        ((files, models), _) if models.is_empty() => saved::run(args, &files),
+        ((files, models), None) if files.is_empty() && models.len() == 1 => {
+            rendered(args, &ModelArgs { model: models[0].clone() })
+        }
+        ((_, models), Some(_)) => {
+            bail!("--model names what saved G-buffers (.npz) show, and {:?} is not one", models[0])
+        }
+        ((_, models), None) => bail!(
+            "compare takes one model, or one or two saved G-buffers (.npz) and their model by --model; {:?} is no .npz",
+            models[0]
+        ),
+    }
+}
+
+/// Renders a model by all three and compares.
+fn rendered(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
+    let model = model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
@@ -179,22 +211,16 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
         undecided: rendered.raycast.undecided(),
         note: model.is_trimmed().then_some(TRIM_NOTE),
     };
-    let pictures = Pictures::new(&stage, &rendered, &shading)?;
-    if let Some(folder) = &args.out {
-        pictures.write(folder)?;
-        let path = folder.join("report.json");
-        std::fs::write(&path, serde_json::to_string_pretty(&report)?).with_context(|| path.display().to_string())?;
+    let buffers: Vec<&GBuffer> = [Some(&rendered.raycast), Some(&rendered.raster)]
+        .into_iter()
+        .chain([rendered.gpu.as_ref().ok().map(|gpu| &gpu.gbuffer)])
+        .flatten()
+        .collect();
+    let mut pictures = Pictures::new(&model, &camera, &buffers, &shading)?;
+    if let Some(picture) = rendered.gpu.as_ref().ok().and_then(|gpu| gpu.shaded.clone()) {
+        pictures.add("gpu-shaded-in-fragment", picture);
     }
-    match args.format {
-        Format::Json => println!("{}", serde_json::to_string(&report)?),
-        Format::Table => {
-            terminal::show(&Picture::beside(&pictures.views()));
-            print(&report);
-            if let Some(folder) = &args.out {
-                println!("pictures and report.json are in {}", folder.display());
-            }
-        }
-    }
+    answer(args, &report, &pictures, || table::print(&report))?;
     let agree = pairs.iter().all(|pair| pair.verdict == Verdict::Agree)
         && report.shaded.as_ref().is_none_or(|shaded| shaded.verdict == Verdict::Agree);
     Ok(match (&rendered.gpu, agree) {
@@ -204,131 +230,22 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     })
 }
 
-/// What a comparison shows: the renderers' pictures and the maps of their differences, by file name.
-struct Pictures {
-    named: Vec<(String, Picture)>,
-    views: usize,
-}
-
-impl Pictures {
-    fn new(stage: &Stage, rendered: &Rendered, shading: &Shading) -> Result<Self> {
-        let buffers: Vec<&GBuffer> = [Some(&rendered.raycast), Some(&rendered.raster)]
-            .into_iter()
-            .chain([rendered.gpu.as_ref().ok().map(|gpu| &gpu.gbuffer)])
-            .flatten()
-            .collect();
-        let mut named = vec![];
-        for buffer in &buffers {
-            named.push((buffer.meta().renderer.clone(), buffer.shaded(shading, stage.model, &stage.camera)?));
-        }
-        let views = named.len();
-        if let Some(picture) = rendered.gpu.as_ref().ok().and_then(|gpu| gpu.shaded.clone()) {
-            named.push(("gpu-shaded-in-fragment".to_owned(), picture));
-        }
-        for (i, a) in buffers.iter().enumerate() {
-            for b in &buffers[i + 1..] {
-                let name = format!("difference-{}-{}", a.meta().renderer, b.meta().renderer);
-                named.push((name, difference(stage, a, b)));
+/// Writes and shows a report with its pictures; `print` is what people read.
+fn answer(args: &CompareArgs, report: &impl Serialize, pictures: &Pictures, print: impl Fn()) -> Result<()> {
+    if let Some(folder) = &args.out {
+        pictures.write(folder)?;
+        let path = folder.join("report.json");
+        std::fs::write(&path, serde_json::to_string_pretty(report)?).with_context(|| path.display().to_string())?;
+    }
+    match args.format {
+        Format::Json => println!("{}", serde_json::to_string(report)?),
+        Format::Table => {
+            terminal::show(&Picture::beside(&pictures.views()));
+            print();
+            if let Some(folder) = &args.out {
+                println!("pictures and report.json are in {}", folder.display());
             }
         }
-        Ok(Self { named, views })
     }
-
-    fn views(&self) -> Vec<&Picture> {
-        self.named[..self.views].iter().map(|(_, picture)| picture).collect()
-    }
-
-    fn write(&self, folder: &Path) -> Result<()> {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        for (name, picture) in &self.named {
-            picture.write_png(folder.join(format!("{name}.png")))?;
-        }
-        Ok(())
-    }
-}
-
-/// How far apart two renderers' points are, across and along the ray, in pixels of the picture at that depth: false
-/// colour from 10⁻⁶ to 1 pixel, logarithmic; magenta where only one of them sees anything.
-fn difference(stage: &Stage, a: &GBuffer, b: &GBuffer) -> Picture {
-    let viewport = stage.viewport;
-    let value = |x: usize, y: usize| match (a.get(x, y), b.get(x, y)) {
-        (None, None) => None,
-        (Some(a), Some(b)) => {
-            let depth = stage.camera.depth(a.position).max(stage.camera.near());
-            let pixels =
-                a.position.distance(b.position) * stage.camera.pixels_per_unit(viewport, depth.max(f64::MIN_POSITIVE));
-            Some(pixels.max(1e-6).log10())
-        }
-        _ => Some(f64::NAN),
-    };
-    Picture::false_colour(viewport.width(), viewport.height(), value, [-6.0, 0.0])
-}
-
-fn print(report: &Report) {
-    let adapter = match (report.adapter, report.gpu_not_run) {
-        (Some(name), _) => format!("{name} ({})", report.driver.unwrap_or("driver unknown")),
-        (None, Some(why)) => format!("NOT RUN: {why}"),
-        (None, None) => "none".to_owned(),
-    };
-    println!(
-        "{}, technique {}, {}x{}, {} triangles\ngpu: {adapter}",
-        report.model, report.technique, report.size[0], report.size[1], report.triangles
-    );
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED);
-    table.set_header([
-        "reference",
-        "candidate",
-        "covered",
-        "agree",
-        "differ",
-        "full/partial/none",
-        "across px (bound)",
-        "along",
-        "S / n / k of tolerance",
-        "verdict",
-    ]);
-    for pair in report.pairs {
-        let (text, colour) = match pair.verdict {
-            Verdict::Agree => ("agree", Color::Green),
-            Verdict::Differ => ("DIFFER", Color::Red),
-        };
-        let c = pair.coverage;
-        table.add_row([
-            Cell::new(&pair.reference),
-            Cell::new(&pair.candidate),
-            Cell::new(pair.covered),
-            Cell::new(pair.agree),
-            Cell::new(pair.differing()),
-            Cell::new(format!("{}/{}/{}", c.full, c.partial, c.none)),
-            Cell::new(format!("{:.5} (≤ {:.5})", pair.max_px, pair.bound_px)),
-            Cell::new(format!("{:.2e}", pair.max_along)),
-            Cell::new(format!("{:.2} / {:.2} / {:.2}", pair.position_share, pair.normal_share, pair.curvature_share)),
-            Cell::new(text).fg(colour).add_attribute(Attribute::Bold),
-        ]);
-    }
-    println!("{table}");
-    for pair in report.pairs {
-        println!("{} | {}: bound: {}", pair.reference, pair.candidate, pair.bounds);
-        if pair.unbounded > 0 {
-            println!("  {} pixels at poles, where f32 has no bound of the normal: counted, not judged", pair.unbounded);
-        }
-        for (cause, count) in &pair.causes {
-            println!("  {count} pixels: {}", cause.label());
-        }
-        for pixel in pair.worst.iter().take(LISTED) {
-            println!("    ({}, {}) {}: {}", pixel.x, pixel.y, pixel.cause.label(), pixel.detail);
-        }
-    }
-    if let Some(shaded) = &report.shaded {
-        let verdict = if shaded.verdict == Verdict::Agree { "agree" } else { "DIFFER" };
-        let at = shaded.first.map_or(String::new(), |[x, y]| format!(", first at ({x}, {y})"));
-        println!("shaded in the fragment stage: {} of {} pixels differ{at}: {verdict}", shaded.differ, shaded.covered);
-    }
-    if report.undecided > 0 {
-        println!("the ray caster left {} pixels undecided", report.undecided);
-    }
-    if let Some(note) = report.note {
-        println!("note: {note}");
-    }
+    Ok(())
 }

@@ -13,6 +13,7 @@ pub mod info;
 pub mod kanai;
 pub mod pixel;
 pub mod render;
+pub mod scene;
 pub mod stage;
 pub mod terminal;
 pub mod view;

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use xtask::{adapters, bench, bless, ci, compare, eval, info, kanai, pixel, render};
+use xtask::{adapters, bench, bless, ci, compare, eval, info, kanai, pixel, render, scene};
 
 /// Isophote: NURBS surfaces, exact per pixel, three independent ways, and how far the three agree
 #[derive(Parser)]
@@ -16,6 +16,7 @@ struct Cli {
 enum Command {
     Compare(compare::CompareArgs),
     Render(render::RenderArgs),
+    Scene(scene::SceneArgs),
     Eval(eval::EvalArgs),
     Pixel(pixel::PixelArgs),
     Info(info::InfoArgs),
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Compare(args) => compare::run(&args),
         Command::Render(args) => done(render::run(&args)),
+        Command::Scene(args) => done(scene::run(&args)),
         Command::Eval(args) => done(eval::run(&args)),
         Command::Pixel(args) => pixel::run(&args),
         Command::Info(args) => done(info::run(&args)),

@@ -85,14 +85,18 @@ pub struct ShadedReport {
 }
 
 /// The ray caster, asked at any position.
-struct Rays<'a> {
-    stage: &'a Stage<'a>,
-    caster: &'a Caster<'a>,
+pub struct Rays<'a> {
+    /// It.
+    pub caster: &'a Caster<'a>,
+    /// Who looks.
+    pub camera: Camera,
+    /// At how many pixels.
+    pub viewport: Viewport,
 }
 
 impl Sampler for Rays<'_> {
     fn first(&self, x: f64, y: f64) -> Option<Hit> {
-        self.caster.first(&self.stage.camera.ray(self.stage.viewport, x, y)).hit
+        self.caster.first(&self.camera.ray(self.viewport, x, y)).hit
     }
 }
 
@@ -193,7 +197,7 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the buffers cannot be compared.
     pub fn against_raycast(&self, caster: &Caster, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
-        let sampler = Rays { stage: self, caster };
+        let sampler = Rays { caster, camera: self.camera, viewport: self.viewport };
         let deviation = match self.plan.technique {
             Technique::Fragment => Deviation::of_proxy(self.model, &self.proxy.chord),
             Technique::Exact => Deviation::exact(self.model),
@@ -210,7 +214,7 @@ impl<'m> Stage<'m> {
         let sampler = Triangles(rasterizer.sampler());
         let deviation = match self.plan.technique {
             Technique::Fragment => Deviation::of_same_proxy(self.model, &self.proxy.chord),
-            Technique::Exact => Deviation::both_exact(self.model),
+            Technique::Exact => Deviation::exact(self.model).either(&Deviation::exact(self.model)),
         };
         self.pair(reference, &sampler, candidate, &deviation, false)
     }

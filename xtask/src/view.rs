@@ -35,9 +35,9 @@ pub struct ViewArgs {
     /// Depth of the near plane, model units [default: 1/1024 of the distance to the target; 0 with --ortho]
     #[arg(long, value_name = "DEPTH", allow_negative_numbers = true)]
     pub near: Option<f64>,
-    /// Size of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "512x512")]
-    pub size: String,
+    /// Size of the picture in pixels [default: 512x512]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<String>,
 }
 
 impl ModelArgs {
@@ -59,16 +59,25 @@ impl ModelArgs {
 }
 
 impl ViewArgs {
+    /// The first of these options that was given.
+    pub fn given(&self) -> Option<&'static str> {
+        let vectors = [("--eye", &self.eye), ("--target", &self.target), ("--up", &self.up)];
+        let numbers = [("--fov", self.fov), ("--ortho", self.ortho), ("--near", self.near)];
+        let vector = vectors.into_iter().find(|(_, v)| v.is_some()).map(|(name, _)| name);
+        let number = numbers.into_iter().find(|(_, n)| n.is_some()).map(|(name, _)| name);
+        vector.or(number).or(self.size.is_some().then_some("--size"))
+    }
+
     /// The viewport.
     ///
     /// # Errors
     /// Where `--size` is not WxH or a side is not legal.
     pub fn viewport(&self) -> Result<Viewport> {
-        let (width, height) = self
-            .size
+        let size = self.size.as_deref().unwrap_or("512x512");
+        let (width, height) = size
             .split_once(['x', 'X'])
             .and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)))
-            .with_context(|| format!("--size {:?} is not WIDTHxHEIGHT, as in 512x512", self.size))?;
+            .with_context(|| format!("--size {size:?} is not WIDTHxHEIGHT, as in 512x512"))?;
         Ok(Viewport::new(width, height)?)
     }
 

@@ -117,6 +117,54 @@ fn compare_prints_one_json_object_that_agrees() {
     }
 }
 
+/// A G-buffer of the teapot that NumPy wrote, 64 x 64.
+const FOREIGN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../testdata/foreign/teapot.npz");
+
+#[test]
+fn a_saved_gbuffer_is_judged_with_the_same_report_pictures_and_exit_codes() {
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("foreign");
+    let output = xtask(&["compare", FOREIGN, "--format", "json", "--out", out.to_str().expect("UTF-8")]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
+    assert_eq!((&report["model"], &report["size"]), (&json!("teapot"), &json!([64, 64])));
+    assert_eq!((&report["files"][0]["renderer"], &report["rays_cast"]), (&json!("numpy-example"), &json!(true)));
+    assert_eq!((&report["pairs"][0]["verdict"], &report["pairs"][0]["causes"]), (&json!("agree"), &json!({})));
+    for name in ["raycast.png", "numpy-example.png", "difference-raycast-numpy-example.png", "report.json"] {
+        assert!(out.join(name).exists(), "{name}");
+    }
+    // Granted less than it needs, it differs.
+    let output = xtask(&["compare", FOREIGN, "--chord", "0.01"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    let table = text(&output.stdout);
+    assert!(table.contains("numpy-example") && table.contains("DIFFER") && table.contains("interpolation"), "{table}");
+}
+
+#[test]
+fn saved_gbuffers_that_cannot_be_judged_are_refused() {
+    let cut = file("cut.npz", "");
+    std::fs::write(&cut, &std::fs::read(FOREIGN).expect("the frozen file")[..20_000]).expect("a file can be written");
+    refused(&["compare", cut.to_str().expect("UTF-8")], &["cut.npz", "not a readable .npz"]);
+    refused(&["compare", "absent.npz"], &["absent.npz", "No such file"]);
+    refused(&["compare", FOREIGN, "--model", "sphere"], &["teapot.npz", "hash", "sphere"]);
+    refused(&["compare", FOREIGN, FOREIGN], &["teapot.npz", "numpy-example", "no check"]);
+    refused(&["compare", FOREIGN, "--size", "64x64"], &["--size", "saved"]);
+    refused(&["compare", FOREIGN, "--adapter", "NVIDIA"], &["--adapter", "saved"]);
+    refused(&["compare", FOREIGN, "--chord", "-1"], &["chord", "-1"]);
+    refused(&["compare", FOREIGN, "teapot"], &["--model", "teapot"]);
+    refused(&["compare", "teapot", "sphere"], &["one model", "teapot"]);
+    refused(&["compare", "teapot", "--model", "sphere"], &["--model", "teapot"]);
+}
+
+#[test]
+fn a_scene_is_written_for_others_to_draw() {
+    let output = xtask(&["scene", "torus", "--size", "40x30", "--ortho", "3"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let scene: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
+    assert_eq!(scene["meta"]["size"], json!([40, 30]));
+    assert_eq!(scene["meta"]["camera"]["projection"], json!({"orthographic": {"height": 3.0}}));
+    assert_eq!((&scene["view"]["half_height"], &scene["faces"][0]["pixel"]), (&json!(1.5), &json!(0.1)));
+}
+
 #[test]
 fn eval_answers_in_the_conventions_of_the_oracle() {
     let queries = file("queries.json", r#"{"queries": [{"surface": 0, "uv": [[0.25, 0.5], [1, 1]]}]}"#);

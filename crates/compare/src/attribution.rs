@@ -123,13 +123,16 @@ fn power_of_two(a: DVec3, b: DVec3) -> Option<f64> {
     (power.is_finite() && parallel).then(|| power.round())
 }
 
-/// Whether the position is the numerator of S, about the surface's origin and up to a power of two.
+/// Whether the position is the numerator of S: about the surface's origin and up to a power of two, as our program has
+/// it, or about the world's, as others may.
 fn is_numerator(surface: &Surface, hit: &Hit) -> bool {
     if surface.weights().is_none() {
         return false;
     }
     let numerator = sum(surface, hit, [0, 0], |i, j, _, columns| i * columns + j).expect("its own net is complete");
+    let of_world = numerator.truncate() + numerator.w * surface.origin();
     power_of_two(hit.position - surface.origin(), numerator.truncate()).is_some()
+        || hit.position.distance(of_world) <= MATCH_SHARE * surface.hull().diagonal()
 }
 
 /// S with the control net read by columns, in the two strides that a slip may use.

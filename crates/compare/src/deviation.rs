@@ -1,18 +1,18 @@
 //! How far across the ray a candidate's point may lie from what the reference shows, before any rounding of S itself.
 
 use nurbs::{DerivativeBounds, Surface};
-use scene::Model;
+use scene::{Camera, Model, Viewport};
 
 /// Vertices snap to 1/256 pixel, each coordinate by at most half of it; a viewport transform in f32 adds less than
 /// the other half up to 16384 pixels.
 pub const SNAP_PX: f64 = 1.0 / 256.0;
 
-/// How far from the pixel's centre the point may lie that a renderer found by solving for it, pixels.
-pub const EXACT_PX: f64 = 0.01;
-
 /// Interpolated parameters may be off by this many units of 2⁻²⁴ of the domain: WGSL states no accuracy of
 /// interpolation. Of the models of the conformance tests, none needs more on llvmpipe or an H100.
 pub const ATTRIBUTE_ULPS: f64 = 16.0;
+
+/// A renderer that finds the point on the pixel's own ray, rather than on a triangle's, may be this far off, pixels.
+pub const EXACT_PX: f64 = 0.01;
 
 /// The allowance of a pair of renderers.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,9 +26,9 @@ pub struct Deviation {
     pub edge_chord: Vec<f64>,
     /// Per face: what the accuracy of interpolated parameters amounts to, model units.
     pub attribute: Vec<f64>,
-    /// Pixels: snapping of vertices, or what an exact renderer is allowed.
+    /// Pixels: snapping of vertices; [`EXACT_PX`] where there are none.
     pub snap_px: f64,
-    /// The first three in words.
+    /// All of it in words.
     pub text: String,
 }
 
@@ -62,20 +62,46 @@ impl Deviation {
         }
     }
 
-    /// A renderer that finds the point on the pixel's ray itself, against the surface: [`EXACT_PX`] and nothing else.
+    /// A rasterizer of flat triangles that are not known, but said to stay within `chord_px` pixels of S at their (u, v),
+    /// pixels being measured at the nearest depth of each face's control points ([`Camera::pixel_at`]).
+    ///
+    /// `chord_px` is what the caller is ready to grant, not what a G-buffer says of itself.
+    pub fn of_claimed_chord(model: &Model, camera: &Camera, viewport: Viewport, chord_px: f64) -> Self {
+        let chord = |face: usize| chord_px * camera.pixel_at(viewport, model.surfaces()[face].hull());
+        let chord: Vec<f64> = model.faces().iter().map(|face| chord(face.surface)).collect();
+        Self {
+            text: format!(
+                "claimed chord of {chord_px} px at each face's nearest depth + {SNAP_PX} px of vertex snapping + \
+                 {ATTRIBUTE_ULPS} ulp of interpolated parameters; rounding of S: running bound to first order"
+            ),
+            ..Self::of_proxy(model, &chord)
+        }
+    }
+
+    /// A renderer that solves for the point on the pixel's ray, against another that does: [`EXACT_PX`], and no chord.
+    ///
+    /// Rounding of the parameters found is not granted anything beside it.
     pub fn exact(model: &Model) -> Self {
-        Self::within(model, EXACT_PX, "position on the pixel's ray")
-    }
-
-    /// Two such renderers.
-    pub fn both_exact(model: &Model) -> Self {
-        Self::within(model, 2.0 * EXACT_PX, "position on the pixel's ray, twice")
-    }
-
-    fn within(model: &Model, px: f64, of: &str) -> Self {
         let none = vec![0.0; model.faces().len()];
-        let text = format!("{px} px of {of}");
-        Self { chord: none.clone(), edge_chord: none.clone(), attribute: none, snap_px: px, text }
+        Self {
+            chord: none.clone(),
+            edge_chord: none.clone(),
+            attribute: none,
+            snap_px: EXACT_PX,
+            text: format!("{EXACT_PX} px from the pixel's ray; rounding of S: running bound to first order"),
+        }
+    }
+
+    /// What two renderers may differ by, each of which has an allowance of its own against the surface.
+    pub fn either(&self, other: &Self) -> Self {
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        Self {
+            chord: sum(&self.chord, &other.chord),
+            edge_chord: sum(&self.edge_chord, &other.edge_chord),
+            attribute: sum(&self.attribute, &other.attribute),
+            snap_px: self.snap_px + other.snap_px,
+            text: format!("both of: {} | {}", self.text, other.text),
+        }
     }
 
     /// The allowance in model units at face `face`.

@@ -12,7 +12,7 @@ pub(crate) const NO_HIT: u32 = u32::MAX;
 pub struct Meta {
     /// Which renderer made it: `raster`, `gpu`, `raycast`, or the name of a foreign one.
     pub renderer: String,
-    /// The technique: `fragment`, or `rays` for the ray caster.
+    /// The technique: `fragment`, `exact`, or `rays` for a ray caster.
     pub technique: String,
     /// Name of the model.
     pub model: String,
@@ -93,6 +93,12 @@ impl GBuffer {
     pub(crate) fn from_parts(parts: Parts) -> Self {
         let Parts { viewport, meta, index, hits, undecided } = parts;
         Self { viewport, meta, index, hits, undecided }
+    }
+
+    /// The same buffer with other facts about where it comes from.
+    pub fn with_meta(mut self, meta: Meta) -> Self {
+        self.meta = meta;
+        self
     }
 
     /// The same buffer with a list of pixels (x, y) that the renderer could not decide.

@@ -32,6 +32,16 @@ pub enum GBufferError {
         /// The array.
         array: &'static str,
     },
+    /// The archive has an entry that is none of the arrays: a slip in a name, perhaps.
+    #[error("{}: the entry {entry:?} is none of the arrays {known} (each ends in .npy)", path.display())]
+    UnknownArray {
+        /// The file.
+        path: PathBuf,
+        /// The entry's name, cut short.
+        entry: String,
+        /// The arrays that are known.
+        known: String,
+    },
     /// The entry does not begin as a NumPy array does.
     #[error("{}: the array {array:?} has a malformed header: {reason}", path.display())]
     Header {
@@ -71,10 +81,20 @@ pub enum GBufferError {
         array: &'static str,
         /// The shape found.
         found: Vec<u64>,
-        /// The shape that `hit` asks for.
+        /// The shape that `hit`, or else `face`, asks for.
         expected: Vec<u64>,
     },
-    /// The picture's size, as `hit` has it, is not a legal one.
+    /// The array that tells the picture's size is not one of rows of pixels.
+    #[error("{}: the array {array:?} has shape {found:?}, not rows and columns of pixels", path.display())]
+    NotRows {
+        /// The file.
+        path: PathBuf,
+        /// The array: `hit`, or `face` where that is absent.
+        array: &'static str,
+        /// The shape found.
+        found: Vec<u64>,
+    },
+    /// The picture's size, as `hit` or else `face` has it, is not a legal one.
     #[error("{}: {source}", path.display())]
     Size {
         /// The file.

@@ -207,11 +207,132 @@ fn a_flipped_byte_is_refused_or_does_not_matter() {
 
 #[test]
 fn a_missing_array_is_named() {
-    for member in ["hit", "face", "u", "v", "t", "pos", "normal", "status", "k1", "k2", "undecided", "meta"] {
+    // Without either of k1 and k2 there are no curvatures; one alone is a mistake.
+    for member in ["face", "u", "v", "pos", "normal", "k1", "k2", "meta"] {
         let error = changed("missing.npz", member, |_| None).unwrap_err();
         assert!(matches!(error, GBufferError::MissingArray { array, .. } if array == member), "{error}");
         assert!(error.to_string().contains("missing.npz"), "{error}");
     }
+}
+
+#[test]
+fn arrays_that_may_be_absent_are_filled_in() {
+    let sample = sample();
+    let without = |members: &[&str], camera: &serde_json::Value| {
+        let buffer = sample.clone().with_meta(Meta { camera: camera.clone(), ..meta() });
+        let mut all = unpack(&buffer.npz_bytes().unwrap());
+        members.iter().for_each(|member| assert!(all.remove(&format!("{member}.npy")).is_some()));
+        read("absent.npz", &pack(&all))
+    };
+    let hits = |buffer: &GBuffer| buffer.pixels().map(Option::<&Hit>::cloned).collect::<Vec<Option<Hit>>>();
+    let camera = &meta().camera;
+    assert_eq!(hits(&without(&["hit"], camera).unwrap()), hits(&sample));
+    let decided = without(&["undecided"], camera).unwrap();
+    assert_eq!((hits(&decided), decided.undecided()), (hits(&sample), 0));
+    let flat = without(&["k1", "k2"], camera).unwrap();
+    assert!(flat.pixels().flatten().all(|hit| hit.curvature.is_none()));
+    // An undefined normal was written as NaN, and a limit one is taken for a regular one.
+    let bare = without(&["status"], camera).unwrap();
+    for (found, hit) in bare.pixels().flatten().zip(sample.pixels().flatten()) {
+        assert_eq!(found.normal.unit(), hit.normal.unit());
+    }
+    // t is (pos − o) · d; the camera stands at z = 10 and looks down.
+    let down = scene::Camera::look_at(
+        DVec3::new(0.0, 0.0, 10.0),
+        DVec3::ZERO,
+        DVec3::Y,
+        scene::Projection::Orthographic { height: 3.0 },
+    );
+    let at = |z: f64| Hit { position: DVec3::new(1.0, 2.0, z), ..*sample.get(0, 0).unwrap() };
+    let rows = [vec![Some(at(4.0)), None, Some(at(-2.5))]];
+    let buffer =
+        GBuffer::from_rows(Viewport::new(3, 1).unwrap(), Meta { camera: json!(down.unwrap()), ..meta() }, rows);
+    let mut all = unpack(&buffer.npz_bytes().unwrap());
+    all.remove("t.npy");
+    let read_back = read("without_t.npz", &pack(&all)).unwrap();
+    assert_eq!([read_back.get(0, 0).unwrap().t, read_back.get(2, 0).unwrap().t], [6.0, 12.5]);
+    // Without t the camera must be one.
+    let error = without(&["t"], &json!({"eye": [0, 0, 0]})).unwrap_err();
+    assert!(matches!(error, GBufferError::Meta { .. }) && error.to_string().contains("target"), "{error}");
+}
+
+#[test]
+fn an_array_by_another_name_is_refused_not_passed_over() {
+    for name in ["Status.npy", "undecided", "position.npy", "status.npy.npy"] {
+        let mut members = unpack(&sample().npz_bytes().unwrap());
+        let bytes = members.remove("status.npy").unwrap();
+        members.insert(name.to_owned(), bytes);
+        let error = read("stranger.npz", &pack(&members)).unwrap_err();
+        assert!(matches!(&error, GBufferError::UnknownArray { entry, .. } if entry == name), "{error}");
+    }
+}
+
+#[test]
+fn without_hit_a_face_says_whether_anything_is_seen() {
+    let face = |value: i32| {
+        let mut members = unpack(&sample().npz_bytes().unwrap());
+        members.remove("hit.npy");
+        let changed = patched(members["face.npy"].clone(), from_end(6, 4), &value.to_le_bytes());
+        members.extend(changed.map(|bytes| ("face.npy".to_owned(), bytes)));
+        read("faces.npz", &pack(&members))
+    };
+    assert_eq!(face(-1).unwrap().covered() + 1, sample().covered());
+    let error = face(-2).unwrap_err();
+    assert!(matches!(error, GBufferError::Value { array: "face", x: 1, y: 1, .. }), "{error}");
+}
+
+#[test]
+fn a_normal_that_is_nan_in_part_is_no_undefined_one() {
+    let mut members = unpack(&sample().npz_bytes().unwrap());
+    members.remove("status.npy");
+    let changed = patched(members["normal.npy"].clone(), from_end(12, 24), &f64::NAN.to_le_bytes());
+    members.extend(changed.map(|bytes| ("normal.npy".to_owned(), bytes)));
+    let error = read("part.npz", &pack(&members)).unwrap_err();
+    assert!(matches!(error, GBufferError::Value { array: "normal", x: 2, y: 2, .. }), "{error}");
+}
+
+#[test]
+fn faces_of_every_integer_type_are_taken() {
+    for (descr, size) in [("|i1", 1), ("|u1", 1), ("<i2", 2), ("<u2", 2), ("<i4", 4), ("<u4", 4), ("<i8", 8)] {
+        let ones: Vec<u8> = (0..WIDTH * HEIGHT).flat_map(|_| 1u64.to_le_bytes()[..size].to_vec()).collect();
+        let header = format!("'{descr}'");
+        let buffer = changed("ints.npz", "face", |_| Some(array(&header, "False", "(3, 5)", &ones))).unwrap();
+        assert!(buffer.pixels().flatten().all(|hit| hit.face == FaceId(1)), "{descr}");
+    }
+}
+
+/// Bytes of any member may be anything behind a sound zip archive: it is read or refused, and never panics.
+#[test]
+fn members_changed_at_random_are_read_or_refused() {
+    let whole = unpack(&sample().npz_bytes().unwrap());
+    let names: Vec<String> = whole.keys().cloned().collect();
+    // Marsaglia's xorshift, seeded.
+    let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    let mut random = |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % below as u64) as usize
+    };
+    let mut read_well = 0;
+    for _ in 0..2000 {
+        let mut members = whole.clone();
+        for _ in 0..=random(4) {
+            let bytes = members.get_mut(&names[random(names.len())]).unwrap();
+            match random(8) {
+                0 => bytes.truncate(random(bytes.len() + 1)),
+                1 => bytes.extend(std::iter::repeat_n(random(256) as u8, random(64))),
+                _ if bytes.is_empty() => {}
+                // Half of the changes in the header.
+                n => {
+                    let end = if n % 2 == 0 { bytes.len().min(128) } else { bytes.len() };
+                    bytes[random(end)] = random(256) as u8;
+                }
+            }
+        }
+        read_well += usize::from(read("random.npz", &pack(&members)).is_ok());
+    }
+    assert!(read_well > 20, "only {read_well} of 2000 got through the headers");
 }
 
 #[test]
@@ -297,6 +418,11 @@ fn malformed_meta_is_refused() {
     let good = r#"{"renderer": "r", "technique": "t", "model": "m", "model_hash": "h", "camera": {}, "size": [5, 3],
         "adapter": null, "version": "1"}"#;
     assert!(text(good).is_ok());
+    for descr in ["'|u1'", "'|i1'"] {
+        let row = array(descr, "False", &format!("({},)", good.len()), good.as_bytes());
+        assert!(changed("meta.npz", "meta", |_| Some(row.clone())).is_ok(), "a row of bytes, as C++ writers have it");
+    }
+    assert!(text(&good.replace(r#", "version": "1""#, r#", "engine": [1]"#)).is_ok(), "version may be absent");
     for bad in ["", "[]", "{}", &good.replace("\"r\"", "1"), &good.replace('}', ""), &"[".repeat(100_000)] {
         assert!(matches!(text(bad).unwrap_err(), GBufferError::Meta { .. }), "{bad:.40}");
     }
@@ -308,7 +434,9 @@ fn malformed_meta_is_refused() {
     };
     assert!(matches!(raw("'|S2'", "()", &[0xff, 0xfe]), GBufferError::Meta { .. }));
     assert!(matches!(raw("'<U1'", "()", &0xd800u32.to_le_bytes()), GBufferError::Meta { .. }));
-    assert!(matches!(raw("'<U1'", "(1,)", &[0; 4]), GBufferError::Shape { array: "meta", .. }));
+    assert!(matches!(raw("'<U1'", "(1,)", &[0; 4]), GBufferError::Dtype { array: "meta", .. }));
+    assert!(matches!(raw("'|u1'", "(2, 2)", &[0; 4]), GBufferError::Dtype { array: "meta", .. }));
+    assert!(matches!(raw("'|u1'", "(5,)", &[0; 4]), GBufferError::Data { array: "meta", .. }));
     assert!(matches!(raw("'|O'", "()", &[0; 4]), GBufferError::Dtype { array: "meta", .. }));
     assert!(matches!(raw("'<U1000000000000'", "()", &[0; 4]), GBufferError::Data { array: "meta", .. }));
     assert!(matches!(raw("'é'", "()", &[0; 4]), GBufferError::Dtype { array: "meta", .. }));
@@ -317,6 +445,8 @@ fn malformed_meta_is_refused() {
 #[test]
 fn files_that_are_no_archives_are_refused() {
     assert!(matches!(GBuffer::read_npz(path("absent.npz")), Err(GBufferError::Io { .. })));
+    let folder = GBuffer::read_npz(env!("CARGO_TARGET_TMPDIR")).unwrap_err();
+    assert!(folder.to_string().contains("no regular file"), "{folder}");
     assert!(matches!(read("text.npz", b"not a zip file"), Err(GBufferError::Archive { .. })));
     assert!(matches!(sample().write_npz(path("no/such/directory.npz")), Err(GBufferError::Io { .. })));
 }

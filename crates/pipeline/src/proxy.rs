@@ -15,9 +15,6 @@ pub const DEFAULT_CHORD_PX: f64 = 0.25;
 /// Cells a knot span is cut into at most, in each direction; a camera inside a face would ask for any number.
 const GREATEST_CELLS: usize = 256;
 
-/// A face that reaches the near plane is cut as if its nearest point were this share of its size away.
-const NEAREST_SHARE: f64 = 1.0 / 16.0;
-
 /// Triangles of a proxy at most: 72 bytes each with their vertices, so under 1.3 GB.
 const GREATEST_TRIANGLES: usize = 1 << 24;
 
@@ -82,8 +79,8 @@ impl Proxy {
     /// A tessellation whose flat triangles stay within `chord_px` pixels of the surface as `camera` sees it.
     ///
     /// The bound is that of Filip, Magedson & Markot (1986) on each cell of a grid that follows the knots, from
-    /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the face's box. A face
-    /// at the near plane, or one that would need over 256 cells a span, is coarser; what holds
+    /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the face's box
+    /// ([`Camera::pixel_at`]). A face at the near plane, or one that would need over 256 cells a span, is coarser; what holds
     /// is always [`Self::chord`].
     ///
     /// # Errors
@@ -98,13 +95,7 @@ impl Proxy {
         if chord_px <= 0.0 || !chord_px.is_finite() {
             return Err(ProxyError::Chord { chord_px });
         }
-        let allowed = |surface: &Surface| {
-            let hull = surface.hull();
-            let nearest =
-                hull.corners().iter().fold(f64::INFINITY, |near: f64, corner| near.min(camera.depth(*corner)));
-            let nearest = nearest.max(camera.near()).max(hull.diagonal() * NEAREST_SHARE);
-            chord_px / camera.pixels_per_unit(viewport, nearest.max(f64::MIN_POSITIVE))
-        };
+        let allowed = |surface: &Surface| chord_px * camera.pixel_at(viewport, surface.hull());
         let grids: Vec<[Lines; 2]> = model
             .faces()
             .par_iter()

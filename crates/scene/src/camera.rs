@@ -17,6 +17,9 @@ const DEFAULT_MARGIN: f64 = 1.03;
 /// Near distance of a perspective camera as a share of its distance from the target, unless one is given.
 const DEFAULT_NEAR: f64 = 1.0 / 1024.0;
 
+/// A box that reaches the near plane counts as this share of its diagonal away, where pixels are measured on it.
+const NEAREST_SHARE: f64 = 1.0 / 16.0;
+
 /// A line of sight: `origin + t direction` for t from 0, `direction` of unit length, t in model units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
@@ -52,7 +55,11 @@ pub enum Projection {
 }
 
 /// A right-handed look-at camera.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+///
+/// Serialises to `eye`, `target`, `up`, `projection` and `near`, and is read back from them by [`Self::look_at`] and
+/// [`Self::with_near`], bit for bit; `near` may be absent.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "CameraText")]
 pub struct Camera {
     eye: DVec3,
     target: DVec3,
@@ -68,6 +75,26 @@ pub struct Camera {
     /// Half the picture's height at distance 1 (perspective) or anywhere (orthographic).
     #[serde(skip)]
     half_height: f64,
+}
+
+/// A camera as it stands in a file.
+#[derive(Deserialize)]
+struct CameraText {
+    eye: DVec3,
+    target: DVec3,
+    up: DVec3,
+    projection: Projection,
+    near: Option<f64>,
+}
+
+impl TryFrom<CameraText> for Camera {
+    type Error = SceneError;
+
+    fn try_from(text: CameraText) -> Result<Self, SceneError> {
+        let CameraText { eye, target, up, projection, near } = text;
+        let camera = Self::look_at(eye, target, up, projection)?;
+        near.map_or(Ok(camera), |near| camera.with_near(near))
+    }
 }
 
 impl Camera {
@@ -173,6 +200,11 @@ impl Camera {
         self.above
     }
 
+    /// Half the picture's height at distance 1 (perspective) or anywhere (orthographic), model units.
+    pub fn half_height(&self) -> f64 {
+        self.half_height
+    }
+
     /// How depth becomes size.
     pub fn projection(&self) -> Projection {
         self.projection
@@ -255,6 +287,16 @@ impl Camera {
             Projection::Perspective { .. } => half / depth,
             Projection::Orthographic { .. } => half,
         }
+    }
+
+    /// Model units that a pixel covers at the nearest depth of a box: what a chord error in pixels is measured in.
+    ///
+    /// A box that reaches the near plane is taken to begin there, and at 1/16 of its diagonal at least: a camera inside
+    /// it would ask for any number of triangles.
+    pub fn pixel_at(&self, viewport: Viewport, hull: Hull) -> f64 {
+        let nearest = hull.corners().iter().fold(f64::INFINITY, |near: f64, corner| near.min(self.depth(*corner)));
+        let nearest = nearest.max(self.near).max(hull.diagonal() * NEAREST_SHARE);
+        1.0 / self.pixels_per_unit(viewport, nearest.max(f64::MIN_POSITIVE))
     }
 
     /// Clip coordinates from world coordinates, for depth that grows toward the eye ("reversed z").

@@ -1,0 +1,336 @@
+//! `compare A.npz [B.npz]`: saved G-buffers, of our renderers or of foreign ones, against the ray caster and each other.
+//!
+//! The file says what it shows (model and its hash, camera, size) and how it was drawn (technique); what it is granted
+//! is the caller's to say, so a file cannot excuse itself.
+
+use super::{CompareArgs, answer, pictures::Pictures, table};
+use crate::info::TRIM_NOTE;
+use crate::stage::{Plan, Rays, Stage};
+use crate::terminal;
+use crate::view::ModelArgs;
+use anyhow::{Context, Result, bail};
+use compare::{Deviation, Judge, PairReport, Verdict};
+use gbuffer::{GBuffer, Meta};
+use raycast::Caster;
+use scene::{Camera, Model, Viewport};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// What the ray caster calls itself in a G-buffer.
+const RAYCAST: &str = "raycast";
+
+/// The longest name of a renderer, characters.
+const MAX_NAME: usize = 64;
+
+/// A parameter may lie outside its domain by this share of the domain's larger end: half an ulp of f32, in which it may
+/// have been written.
+const DOMAIN_SLACK: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// One saved G-buffer.
+pub struct SavedFile {
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// What it holds; its camera in the words of [`Camera`], so that two of one scene are equal.
+    pub buffer: GBuffer,
+    camera: Camera,
+    origin: Origin,
+}
+
+/// Who drew a buffer, as far as the judge need know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    /// Our ray caster: the reference.
+    Raycast,
+    /// One of our rasterizers, whose triangles can be made again.
+    Twin,
+    /// Someone else.
+    Foreign,
+}
+
+/// One or two saved G-buffers of one scene.
+pub struct Saved {
+    /// What they show.
+    pub model: Model,
+    /// Who looks.
+    pub camera: Camera,
+    /// At how many pixels.
+    pub viewport: Viewport,
+    /// The files, in the order given.
+    pub files: Vec<SavedFile>,
+}
+
+/// A comparison of saved files.
+pub struct SavedComparison {
+    /// The reference that was cast, where no file was one.
+    pub cast: Option<GBuffer>,
+    /// Each candidate against the ray caster, then the second against the first.
+    pub pairs: Vec<PairReport>,
+}
+
+impl SavedFile {
+    /// Reads a file and checks what it says of itself.
+    ///
+    /// # Errors
+    /// Where it is no G-buffer, or its renderer or camera is not one; each message names the file.
+    pub fn open(path: &Path) -> Result<Self> {
+        let buffer = GBuffer::read_npz(path)?;
+        let place = || path.display().to_string();
+        let meta = buffer.meta();
+        let name = &meta.renderer;
+        if name.is_empty() || name.chars().count() > MAX_NAME || name.chars().any(char::is_control) {
+            bail!("{}: meta's renderer {name:?} is not a name of 1 to {MAX_NAME} printable characters", place());
+        }
+        let camera = Camera::deserialize(&meta.camera).with_context(|| format!("{}: meta's camera", place()))?;
+        let origin = match (name.as_str(), meta.technique.as_str()) {
+            (RAYCAST, "rays") => Origin::Raycast,
+            ("raster" | "gpu", "fragment") => Origin::Twin,
+            _ => Origin::Foreign,
+        };
+        let meta = Meta { camera: json!(camera), ..meta.clone() };
+        Ok(Self { path: path.to_owned(), buffer: buffer.with_meta(meta), camera, origin })
+    }
+
+    fn place(&self) -> std::path::Display<'_> {
+        self.path.display()
+    }
+
+    /// The model that the file shows: `named`, or the built-in one that its `meta` names.
+    fn model(&self, named: Option<&str>) -> Result<Model> {
+        let meta = self.buffer.meta();
+        let model = match named {
+            Some(name) => ModelArgs { model: name.to_owned() }.open()?,
+            None => formats::builtin(&meta.model).with_context(|| {
+                format!("{}: its model {:?} is no built-in one; name its file by --model", self.place(), meta.model)
+            })?,
+        };
+        if model.hash() != meta.model_hash {
+            let (name, hash, shown) = (model.name(), model.hash(), &meta.model_hash);
+            bail!("{}: it shows a model with hash {shown:?}; {name:?} has {hash:?}", self.place());
+        }
+        Ok(model)
+    }
+
+    /// Every hit is on a face of the model and inside its domain.
+    fn check_hits(&self, model: &Model) -> Result<()> {
+        let width = self.buffer.viewport().width();
+        for (pixel, hit) in self.buffer.pixels().enumerate().filter_map(|(i, hit)| Some((i, hit?))) {
+            let (x, y, count) = (pixel % width, pixel / width, model.faces().len());
+            let face = hit.face.0;
+            if face as usize >= count {
+                bail!("{}: face at pixel ({x}, {y}) is {face}; the model has {count}", self.place());
+            }
+            let domain = model.surface(hit.face).domain();
+            for ((name, t), [start, end]) in [("u", hit.uv.x), ("v", hit.uv.y)].into_iter().zip(domain) {
+                let slack = DOMAIN_SLACK * start.abs().max(end.abs());
+                if t < start - slack || end + slack < t {
+                    bail!(
+                        "{}: {name} at pixel ({x}, {y}) is {t}, outside face {face}'s [{start}, {end}]",
+                        self.place()
+                    );
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What this renderer is granted against the surface itself; `twins` is the stage of our own rasterizers.
+    fn deviation(&self, saved: &Saved, plan: Plan, twins: Option<&Stage>) -> Result<Deviation> {
+        let Saved { model, camera, viewport, .. } = saved;
+        match (self.buffer.meta().technique.as_str(), twins.filter(|_| self.origin == Origin::Twin)) {
+            ("fragment", Some(stage)) => Ok(Deviation::of_proxy(model, &stage.proxy.chord)),
+            ("fragment", None) => Ok(Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px)),
+            ("exact" | "rays", _) => Ok(Deviation::exact(model)),
+            (other, _) => bail!("{}: meta's technique {other:?} is none of fragment, exact, rays", self.place()),
+        }
+    }
+}
+
+impl Saved {
+    /// Reads one or two files of one scene.
+    ///
+    /// # Errors
+    /// Where a file is bad, does not show the model (`model`, or the built-in one that it names), or shows another model,
+    /// size or view than the first.
+    pub fn open(paths: &[PathBuf], model: Option<&str>) -> Result<Self> {
+        let mut files = paths.iter().map(|path| SavedFile::open(path)).collect::<Result<Vec<SavedFile>>>()?;
+        let first = files.first().context("there is no saved G-buffer to compare")?;
+        let (model, camera, viewport) = (first.model(model)?, first.camera, first.buffer.viewport());
+        for file in &files {
+            let differs = |what, own: String, firsts: String| {
+                bail!("{}: its {what} {own} is not that of {}, {firsts}", file.place(), first.place())
+            };
+            let (own, firsts) = (file.buffer.meta(), first.buffer.meta());
+            if own.model_hash != firsts.model_hash {
+                return differs("model's hash", own.model_hash.clone(), firsts.model_hash.clone());
+            }
+            if file.buffer.viewport() != viewport {
+                let size = |v: Viewport| format!("{}x{}", v.width(), v.height());
+                return differs("size", size(file.buffer.viewport()), size(viewport));
+            }
+            if file.camera != camera {
+                return differs("camera", own.camera.to_string(), firsts.camera.to_string());
+            }
+            file.check_hits(&model)?;
+        }
+        if let [a, b] = &mut files[..] {
+            tell_apart(a, b)?;
+        }
+        Ok(Self { model, camera, viewport, files })
+    }
+
+    /// Judges each candidate against the ray caster, whose buffer is one of the files or is cast now, and the second
+    /// candidate against the first.
+    ///
+    /// Flat triangles are granted the plan's chord error. Where both candidates are our own rasterizers', drawn by this
+    /// very plan, they are compared as the twins that they are: of the same triangles.
+    ///
+    /// # Errors
+    /// Where the chord error is not positive, a technique is unknown, or there is nothing to compare.
+    pub fn compare(&self, plan: Plan) -> Result<SavedComparison> {
+        if plan.chord_px <= 0.0 || !plan.chord_px.is_finite() {
+            bail!("a chord error of {} pixels: it must be positive", plan.chord_px);
+        }
+        let given = self.files.iter().position(|file| file.origin == Origin::Raycast);
+        let others = self.files.iter().enumerate().filter(|(i, _)| Some(*i) != given);
+        let candidates: Vec<&SavedFile> = others.map(|(_, file)| file).collect();
+        if candidates.is_empty() {
+            bail!("{}: it is the ray caster's own, and there is no other to judge", self.files[0].place());
+        }
+        let twins = candidates.iter().filter(|file| file.origin == Origin::Twin).count();
+        let stage = || Stage::new(&self.model, self.camera, self.viewport, plan);
+        let stage = (twins > 0).then(stage).transpose()?;
+        let deviations: Vec<Deviation> =
+            candidates.iter().map(|file| file.deviation(self, plan, stage.as_ref())).collect::<Result<_>>()?;
+        let caster = Caster::new(&self.model);
+        let cast = given.is_none().then(|| {
+            let bar = terminal::progress(RAYCAST, self.viewport.height());
+            caster.render(&self.camera, self.viewport, &|rows| bar.inc(rows as u64))
+        });
+        let reference = cast.as_ref().unwrap_or_else(|| &self.files[given.expect("none was cast")].buffer);
+        let rays = Rays { caster: &caster, camera: self.camera, viewport: self.viewport };
+        let judge = Judge::new(&self.model, &self.camera, self.viewport);
+        let pair = |a: &GBuffer, b: &GBuffer, deviation: &Deviation, exact: bool| -> Result<PairReport> {
+            let what = format!("{} | {}", a.meta().renderer, b.meta().renderer);
+            let bar = terminal::progress(&what, self.viewport.height());
+            Ok(judge.pair(a, &rays, b, deviation, exact, &|rows| bar.inc(rows as u64))?)
+        };
+        let mut pairs = vec![];
+        for (file, deviation) in candidates.iter().zip(&deviations) {
+            pairs.push(pair(reference, &file.buffer, deviation, true)?);
+        }
+        if let ([a, b], [of_a, of_b]) = (&candidates[..], &deviations[..]) {
+            pairs.push(match &stage {
+                Some(stage) if twins == 2 => stage.against_raster(&a.buffer, &b.buffer)?,
+                _ => pair(&a.buffer, &b.buffer, &of_a.either(of_b), false)?,
+            });
+        }
+        Ok(SavedComparison { cast, pairs })
+    }
+}
+
+/// Gives two buffers of one renderer names by what they differ in: its adapter, technique, driver or version.
+fn tell_apart(a: &mut SavedFile, b: &mut SavedFile) -> Result<()> {
+    let [own, other] = [a.buffer.meta().clone(), b.buffer.meta().clone()];
+    if own.renderer != other.renderer {
+        return Ok(());
+    }
+    let facts = |meta: &Meta| {
+        let text = |fact: &Option<String>| fact.clone().unwrap_or_default();
+        [text(&meta.adapter), meta.technique.clone(), text(&meta.driver), meta.version.clone()]
+    };
+    let Some((mine, others)) = facts(&own).into_iter().zip(facts(&other)).find(|(x, y)| x != y) else {
+        bail!("{} and {}: both come from the renderer {:?}, which is no check", a.place(), b.place(), own.renderer);
+    };
+    for (file, meta, fact) in [(a, own, mine), (b, other, others)] {
+        let renderer = format!("{} ({})", meta.renderer, fact.escape_debug());
+        file.buffer = file.buffer.clone().with_meta(Meta { renderer, ..meta });
+    }
+    Ok(())
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    model: &'a str,
+    model_hash: String,
+    size: [usize; 2],
+    files: Vec<FileReport<'a>>,
+    /// Whether rays were cast now, since no file was the ray caster's.
+    rays_cast: bool,
+    /// What flat triangles were granted, pixels.
+    chord_px: f64,
+    pairs: &'a [PairReport],
+    /// Pixels that the ray caster could not decide.
+    undecided: usize,
+    note: Option<&'static str>,
+}
+
+#[derive(Serialize)]
+struct FileReport<'a> {
+    file: String,
+    renderer: &'a str,
+    technique: &'a str,
+    adapter: Option<&'a str>,
+    driver: Option<&'a str>,
+    version: &'a str,
+    covered: usize,
+}
+
+/// Runs the command on saved files.
+pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
+    if let Some(option) = args.view.given().or(args.drawing.adapter.as_ref().map(|_| "--adapter")) {
+        bail!("{option} does not go with saved G-buffers, which bring their own camera, size and adapter");
+    }
+    let paths: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
+    let saved = Saved::open(&paths, args.of_model.as_deref())?;
+    let plan = args.drawing.plan();
+    let SavedComparison { cast, pairs } = saved.compare(plan)?;
+    let buffers: Vec<&GBuffer> = cast.iter().chain(saved.files.iter().map(|file| &file.buffer)).collect();
+    let reference = buffers.iter().find(|buffer| buffer.meta().renderer == pairs[0].reference);
+    let report = Report {
+        model: saved.model.name(),
+        model_hash: saved.model.hash(),
+        size: [saved.viewport.width(), saved.viewport.height()],
+        files: saved.files.iter().map(FileReport::new).collect(),
+        rays_cast: cast.is_some(),
+        chord_px: plan.chord_px,
+        pairs: &pairs,
+        undecided: reference.map_or(0, |buffer| buffer.undecided()),
+        note: saved.model.is_trimmed().then_some(TRIM_NOTE),
+    };
+    let pictures = Pictures::new(&saved.model, &saved.camera, &buffers, &args.shade.shading())?;
+    answer(args, &report, &pictures, || print(&report))?;
+    let agree = pairs.iter().all(|pair| pair.verdict == Verdict::Agree);
+    Ok(if agree { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+impl<'a> FileReport<'a> {
+    fn new(file: &'a SavedFile) -> Self {
+        let Meta { renderer, technique, adapter, driver, version, .. } = file.buffer.meta();
+        Self {
+            file: file.path.display().to_string(),
+            renderer,
+            technique,
+            adapter: adapter.as_deref(),
+            driver: driver.as_deref(),
+            version,
+            covered: file.buffer.covered(),
+        }
+    }
+}
+
+fn print(report: &Report) {
+    println!("{}, {}x{}", report.model, report.size[0], report.size[1]);
+    for FileReport { file, renderer, technique, adapter, version, covered, .. } in &report.files {
+        let adapter = adapter.map_or(String::new(), |name| format!(" on {name:?}"));
+        println!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered");
+    }
+    table::pairs(report.pairs);
+    if report.undecided > 0 {
+        println!("the ray caster left {} pixels undecided", report.undecided);
+    }
+    if let Some(note) = report.note {
+        println!("note: {note}");
+    }
+}

@@ -1,0 +1,83 @@
+//! A comparison in words and columns.
+
+use super::Report;
+use comfy_table::{Attribute, Cell, Color, Table, presets::UTF8_FULL_CONDENSED};
+use compare::{PairReport, Verdict};
+
+/// Pixels of the worst that the table lists for each pair.
+const LISTED: usize = 8;
+
+/// Prints what the three renderers' comparison found.
+pub(super) fn print(report: &Report) {
+    let adapter = match (report.adapter, report.gpu_not_run) {
+        (Some(name), _) => format!("{name} ({})", report.driver.unwrap_or("driver unknown")),
+        (None, Some(why)) => format!("NOT RUN: {why}"),
+        (None, None) => "none".to_owned(),
+    };
+    println!(
+        "{}, technique {}, {}x{}, {} triangles\ngpu: {adapter}",
+        report.model, report.technique, report.size[0], report.size[1], report.triangles
+    );
+    pairs(report.pairs);
+    if let Some(shaded) = &report.shaded {
+        let verdict = if shaded.verdict == Verdict::Agree { "agree" } else { "DIFFER" };
+        let at = shaded.first.map_or(String::new(), |[x, y]| format!(", first at ({x}, {y})"));
+        println!("shaded in the fragment stage: {} of {} pixels differ{at}: {verdict}", shaded.differ, shaded.covered);
+    }
+    if report.undecided > 0 {
+        println!("the ray caster left {} pixels undecided", report.undecided);
+    }
+    if let Some(note) = report.note {
+        println!("note: {note}");
+    }
+}
+
+/// Prints a row a pair, then their causes and worst pixels.
+pub(super) fn pairs(pairs: &[PairReport]) {
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED);
+    table.set_header([
+        "reference",
+        "candidate",
+        "covered",
+        "agree",
+        "differ",
+        "full/partial/none",
+        "across px (bound)",
+        "along",
+        "S / n / k of tolerance",
+        "verdict",
+    ]);
+    for pair in pairs {
+        let (text, colour) = match pair.verdict {
+            Verdict::Agree => ("agree", Color::Green),
+            Verdict::Differ => ("DIFFER", Color::Red),
+        };
+        let c = pair.coverage;
+        table.add_row([
+            Cell::new(&pair.reference),
+            Cell::new(&pair.candidate),
+            Cell::new(pair.covered),
+            Cell::new(pair.agree),
+            Cell::new(pair.differing()),
+            Cell::new(format!("{}/{}/{}", c.full, c.partial, c.none)),
+            Cell::new(format!("{:.5} (≤ {:.5})", pair.max_px, pair.bound_px)),
+            Cell::new(format!("{:.2e}", pair.max_along)),
+            Cell::new(format!("{:.2} / {:.2} / {:.2}", pair.position_share, pair.normal_share, pair.curvature_share)),
+            Cell::new(text).fg(colour).add_attribute(Attribute::Bold),
+        ]);
+    }
+    println!("{table}");
+    for pair in pairs {
+        println!("{} | {}: bound: {}", pair.reference, pair.candidate, pair.bounds);
+        if pair.unbounded > 0 {
+            println!("  {} pixels at poles, where f32 has no bound of the normal: counted, not judged", pair.unbounded);
+        }
+        for (cause, count) in &pair.causes {
+            println!("  {count} pixels: {}", cause.label());
+        }
+        for pixel in pair.worst.iter().take(LISTED) {
+            println!("    ({}, {}) {}: {}", pixel.x, pixel.y, pixel.cause.label(), pixel.detail);
+        }
+    }
+}
