@@ -1,8 +1,7 @@
 // Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of crates/pipeline/src/newton.rs.
 
 const EVALUATIONS: u32 = 16u;
-const LAST_PX: f32 = 1.0 / 16.0;
-const LAST_STEP: f32 = 1.0 / 16.0;
+const LAST_BEND_PX: f32 = 1.0 / 128.0;
 const FINE_PX: f32 = 1.0 / 1024.0;
 const NEAR_PX: f32 = 1.0 / 256.0;
 const PROMISE: f32 = 3.0 / 4.0;
@@ -36,6 +35,7 @@ struct Place {
     squared: f32,
     along_u: vec2<f32>,
     along_v: vec2<f32>,
+    side_squared: f32,
     depth: vec3<f32>,
 }
 
@@ -154,8 +154,10 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> Outcome {
         } else {
             step = step * 0.5;
         }
-        let is_last = best.squared <= LAST_PX * LAST_PX && max(abs(step.x), abs(step.y)) <= LAST_STEP;
-        if (is_last) {
+        let longest = max(abs(step.x), abs(step.y));
+        let bend = longest * longest;
+        let is_last = bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX;
+        if (is_last && left_squared(best, step) <= FINE_PX * FINE_PX) {
             return arrived(piece, best, step);
         }
         if (best.squared <= FINE_PX * FINE_PX) {
@@ -182,8 +184,12 @@ fn arrived(piece: PieceRecord, at: Place, step: vec2<f32>) -> Outcome {
 }
 
 fn promises(at: Place, step: vec2<f32>) -> bool {
+    return at.squared == GREATEST || left_squared(at, step) <= (1.0 - PROMISE) * at.squared;
+}
+
+fn left_squared(at: Place, step: vec2<f32>) -> f32 {
     let left = at.offset + moved(at, step);
-    return at.squared == GREATEST || dot(left, left) <= (1.0 - PROMISE) * at.squared;
+    return dot(left, left);
 }
 
 fn moved(at: Place, step: vec2<f32>) -> vec2<f32> {
@@ -203,6 +209,8 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     out.uv = uv;
     out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / w;
     out.squared = select(GREATEST, dot(out.offset, out.offset), w > 0.0);
+    let longer = max(dot(d.su, d.su) * size.x * size.x, dot(d.sv, d.sv) * size.y * size.y);
+    out.side_squared = longer * (dot(s.x.xyz, s.x.xyz) / (w * w));
     out.depth.x = plane(s.z, d.s) / w;
     let value = vec3<f32>(out.offset, out.depth.x);
     let along_u = along(s, value, d.su) * (size.x / w);

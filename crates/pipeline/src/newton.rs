@@ -10,8 +10,8 @@
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, none leaves it by more than [`BEYOND`] of it. A
 //!   step that brings the offset no nearer to zero is halved.
-//! * **End.** Where the offset is so small that Newton's next step is as good as exact ([`LAST_PX`], [`LAST_STEP`]): it
-//!   is taken and not evaluated, for what it leaves is quadratic in it. Or where the tangent plane, followed as far as
+//! * **End.** Where the step is so short that it is as good as exact: it is taken and not evaluated, for what it leaves
+//!   is quadratic in it and bounded by how far a piece turns ([`LAST_BEND_PX`]). Or where the tangent plane, followed as far as
 //!   the step may go, brings the offset not even to half ([`PROMISE`]): it has a minimum there that is no zero, or the
 //!   ray passes the piece. Or after [`EVALUATIONS`].
 //! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] of its border, between the near
@@ -27,12 +27,10 @@ use nurbs::MAX_ORDER;
 /// Evaluations of S from one seed, at most.
 pub const EVALUATIONS: u32 = 16;
 
-/// The greatest offset from which Newton's step is the last, pixels.
-pub const LAST_PX: f32 = 1.0 / 16.0;
-
-/// The longest such step, as a share of the piece: a piece turns by half a radian at most, so the step leaves less
-/// than 1/64 of the offset.
-pub const LAST_STEP: f32 = 1.0 / 16.0;
+/// A step is the last where its squared share of the piece times the piece's longer side, in pixels, is at most this:
+/// the piece turns by half a radian along each parameter, so a quarter of it, 1/512 pixel, is what the step leaves
+/// in each direction.
+pub const LAST_BEND_PX: f32 = 1.0 / 128.0;
 
 /// An offset that counts as none, pixels. At a silhouette Newton's step is long however small the offset.
 pub const FINE_PX: f32 = 1.0 / 1024.0;
@@ -108,6 +106,8 @@ struct Place {
     along_u: [f32; 2],
     /// The same for v.
     along_v: [f32; 2],
+    /// The square of the piece's longer side in pixels, were it seen at a right angle.
+    side_squared: f32,
     /// z / w, and its derivatives by u and v times the piece's extents.
     depth: [f32; 3],
 }
@@ -228,8 +228,10 @@ fn search<const CAPACITY: usize>(
                 step = step.map(|x| x * 0.5);
             }
         }
-        let is_last = best.squared <= LAST_PX * LAST_PX && step[0].abs().max(step[1].abs()) <= LAST_STEP;
-        if is_last {
+        let longest = step[0].abs().max(step[1].abs());
+        let bend = longest * longest;
+        let is_last = bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX;
+        if is_last && left_squared(&best, step) <= FINE_PX * FINE_PX {
             return arrived(piece, &best, step);
         }
         if best.squared <= FINE_PX * FINE_PX {
@@ -261,9 +263,15 @@ fn arrived(piece: &PieceRecord, at: &Place, step: [f32; 2]) -> Outcome {
 /// may come.
 #[inline]
 fn promises(at: &Place, step: [f32; 2]) -> bool {
+    at.squared == f32::MAX || left_squared(at, step) <= (1.0 - PROMISE) * at.squared
+}
+
+/// The square of the offset that a step along the tangent plane leaves.
+#[inline(always)]
+fn left_squared(at: &Place, step: [f32; 2]) -> f32 {
     let moved = moved(at, step);
     let left = [at.offset[0] + moved[0], at.offset[1] + moved[1]];
-    at.squared == f32::MAX || left[0] * left[0] + left[1] * left[1] <= (1.0 - PROMISE) * at.squared
+    left[0] * left[0] + left[1] * left[1]
 }
 
 /// By how many pixels a step along the tangent plane moves the offset.
@@ -305,6 +313,8 @@ fn place<const CAPACITY: usize>(
         squared: if w > 0.0 { offset[0] * offset[0] + offset[1] * offset[1] } else { f32::MAX },
         along_u: [along_u[0], along_u[1]],
         along_v: [along_v[0], along_v[1]],
+        side_squared: (dot(su, su) * extent[0] * extent[0]).max(dot(sv, sv) * extent[1] * extent[1])
+            * (dot([sight.x[0], sight.x[1], sight.x[2]], [sight.x[0], sight.x[1], sight.x[2]]) / (w * w)),
         depth: [depth, along_u[2], along_v[2]],
     }
 }

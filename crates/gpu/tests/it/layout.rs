@@ -116,8 +116,7 @@ fn constants_have_the_same_values() {
     for (name, value) in [
         ("FINE_PX", newton::FINE_PX),
         ("NEAR_PX", newton::NEAR_PX),
-        ("LAST_PX", newton::LAST_PX),
-        ("LAST_STEP", newton::LAST_STEP),
+        ("LAST_BEND_PX", newton::LAST_BEND_PX),
         ("PROMISE", newton::PROMISE),
         ("INSIDE", newton::INSIDE),
         ("BEYOND", newton::BEYOND),
