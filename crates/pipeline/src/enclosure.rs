@@ -215,8 +215,7 @@ fn on_span<const CAPACITY: usize>(
     second: bool,
 ) -> Enclosure {
     let f = &scene.faces[face as usize];
-    let unknown =
-        Enclosure { span, position: None, regularity: Regularity::Either, normal: None, curvature: None };
+    let unknown = Enclosure { span, position: None, regularity: Regularity::Either, normal: None, curvature: None };
     let [ku, kv] = scene.knots(f);
     let [narrowed_u, narrowed_v] = scene.frames[face as usize].domain.map(narrowed);
     let Some(nu) = Basis::<CAPACITY>::new(ku, f.degree_u as usize, span[0], parameters[0], narrowed_u, second) else {

@@ -70,7 +70,14 @@ fn difference(a: f64, b: f64) -> (f64, f64) {
 
 impl<const CAPACITY: usize> Basis<CAPACITY> {
     /// `None` where a knot difference is outside the range for which WGSL states the accuracy of a division.
-    pub fn new(knots: &[f32], degree: usize, span: usize, t: Parameter, narrowed: Narrowed, second: bool) -> Option<Self> {
+    pub fn new(
+        knots: &[f32],
+        degree: usize,
+        span: usize,
+        t: Parameter,
+        narrowed: Narrowed,
+        second: bool,
+    ) -> Option<Self> {
         let mut basis = Self {
             functions: [Functions::ZERO; 3],
             degree,
@@ -219,11 +226,7 @@ fn last_remainder<const CAPACITY: usize>(last: &Column<CAPACITY>, curved: &Funct
 }
 
 /// p (term_{r−1} − term_r), `product` being the relative rounding of a term, which each difference may fuse or not.
-fn differences<const CAPACITY: usize>(
-    term: &Functions<CAPACITY>,
-    degree: usize,
-    product: f64,
-) -> Functions<CAPACITY> {
+fn differences<const CAPACITY: usize>(term: &Functions<CAPACITY>, degree: usize, product: f64) -> Functions<CAPACITY> {
     let mut d = Functions::<CAPACITY>::ZERO;
     let p = degree as f64;
     let last = if degree.is_power_of_two() { 0.0 } else { NEIGHBOUR };

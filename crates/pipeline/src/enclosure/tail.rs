@@ -155,8 +155,7 @@ fn curvature(
     let below = tape.sum(&[product(length, g)])?;
     let b = tape.quotient(above, below)?;
     let shear_squared = tape.sum(&[product(shear, shear)])?;
-    let above =
-        tape.sum(&[plain(nn), product(shear, m).times(-2.0), product(shear_squared, l).of_three()])?;
+    let above = tape.sum(&[plain(nn), product(shear, m).times(-2.0), product(shear_squared, l).of_three()])?;
     let below = tape.sum(&[product(g, g)])?;
     let c = tape.quotient(above, below)?;
     let sum = tape.sum(&[plain(a), plain(c)])?;

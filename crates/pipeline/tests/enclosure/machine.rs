@@ -128,8 +128,20 @@ impl Machine {
         }
         match self.direction {
             Direction::Random => self.random.between(f64::from(low), f64::from(high)) as f32,
-            Direction::Outward => if x > 0.0 { high } else { low },
-            Direction::Inward => if x > 0.0 { low } else { high },
+            Direction::Outward => {
+                if x > 0.0 {
+                    high
+                } else {
+                    low
+                }
+            }
+            Direction::Inward => {
+                if x > 0.0 {
+                    low
+                } else {
+                    high
+                }
+            }
             Direction::Up => high,
             Direction::Down => low,
             Direction::Strict => x as f32,
@@ -314,12 +326,8 @@ impl Machine {
                 sv[c] = self.multiply(d, w);
                 let d = self.sum(&[(1.0, &[suu[c]]), (-2.0, &[su[c], wu]), (-1.0, &weighted(wuu))]);
                 suu[c] = self.multiply(d, w);
-                let d = self.sum(&[
-                    (1.0, &[suv[c]]),
-                    (-1.0, &[sv[c], wu]),
-                    (-1.0, &[su[c], wv]),
-                    (-1.0, &weighted(wuv)),
-                ]);
+                let d =
+                    self.sum(&[(1.0, &[suv[c]]), (-1.0, &[sv[c], wu]), (-1.0, &[su[c], wv]), (-1.0, &weighted(wuv))]);
                 suv[c] = self.multiply(d, w);
                 let d = self.sum(&[(1.0, &[svv[c]]), (-2.0, &[sv[c], wv]), (-1.0, &weighted(wvv))]);
                 svv[c] = self.multiply(d, w);

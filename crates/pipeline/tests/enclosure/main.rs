@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use scene::Model;
 
 /// Surfaces, places on each, and evaluations at each place: 1,036,800 in all.
-const SURFACES: u64 = 2400;
+const SURFACES: u64 = 240;
 const PLACES: usize = 18;
 const EVALUATIONS: usize = 24;
 
@@ -111,7 +111,8 @@ struct Used {
 }
 
 fn greatest<const N: usize>(intervals: Option<[Interval; N]>, found: [f32; N]) -> f64 {
-    let shares = intervals.map(|intervals| std::array::from_fn::<f64, N, _>(|c| intervals[c].share(f64::from(found[c]))));
+    let shares =
+        intervals.map(|intervals| std::array::from_fn::<f64, N, _>(|c| intervals[c].share(f64::from(found[c]))));
     shares.map_or(0.0, |shares| shares.into_iter().fold(0.0, f64::max))
 }
 
@@ -203,4 +204,55 @@ fn a_million_evaluations_by_any_adapter_lie_inside() {
     assert_eq!(found.outside, 0, "{found:?}");
     // An enclosure that nothing comes near proves little.
     assert!(found.most.position > 0.5 && found.most.normal > 0.2 && found.most.curvature > 0.2, "{found:?}");
+}
+
+/// Half-widths and errors of the strict program at random places of regular bicubic faces, by quantity.
+#[test]
+fn figures() {
+    for name in ["teapot", "surface", "rational", "sphere"] {
+        let model = formats::builtin(name).expect("built in");
+        let scene = PackedScene::new(&model, Scheme::Specialised).expect("packable");
+        let mut random = Random(7);
+        let mut pairs: [Vec<(f64, f64, f64)>; 3] = Default::default();
+        let mut seconds = 0.0;
+        let count = 20000;
+        for _ in 0..count {
+            let face = random.below(scene.faces.len()) as u32;
+            let uv = [random.unit() as f32, random.unit() as f32];
+            let fragment = pipeline::fragment::fragment(&scene, face, uv, true);
+            let start = std::time::Instant::now();
+            let e = only(&enclose(&scene, face, uv.map(Parameter::exact), true));
+            seconds += start.elapsed().as_secs_f64();
+            let (Some(s), Some(n), Some(k)) = (e.position, e.normal, e.curvature) else { continue };
+            let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let mut push = |at: usize, intervals: &[Interval], found: &[f32]| {
+                let errors: Vec<f64> = intervals.iter().zip(found).map(|(i, x)| f64::from(*x) - i.middle).collect();
+                let halves: Vec<f64> = intervals.iter().map(|i| i.half_width).collect();
+                let share = intervals.iter().zip(found).map(|(i, x)| i.share(f64::from(*x))).fold(0.0, f64::max);
+                pairs[at].push((length(&halves), length(&errors), share));
+            };
+            push(0, &s, &fragment.position);
+            push(1, &n, &fragment.normal);
+            push(2, &k, &fragment.curvature);
+        }
+        println!("{name}: {:.2} µs", 1e6 * seconds / count as f64);
+        for (what, pairs) in ["S", "n", "k"].iter().zip(&pairs) {
+            let sorted = |f: fn(&(f64, f64, f64)) -> f64| {
+                let mut all: Vec<f64> = pairs.iter().map(f).collect();
+                all.sort_by(f64::total_cmp);
+                all
+            };
+            let (halves, errors, shares) = (sorted(|p| p.0), sorted(|p| p.1), sorted(|p| p.2));
+            let m = pairs.len() / 2;
+            println!(
+                "  {what}: half {:.3e} error {:.3e} ratio {:.1}; to largest {:.1}; largest share {:.3}; ({})",
+                halves[m],
+                errors[m],
+                halves[m] / errors[m],
+                halves[m] / errors[pairs.len() - 1],
+                shares[pairs.len() - 1],
+                pairs.len()
+            );
+        }
+    }
 }
