@@ -224,8 +224,19 @@ fn on_span<const CAPACITY: usize>(
     let Some(nv) = Basis::<CAPACITY>::new(kv, f.degree_v as usize, span[1], parameters[1], narrowed_v, second) else {
         return unknown;
     };
-    let evaluation = Evaluation::new(f, &scene.points, span, [nu, nv], second);
-    evaluation.enclosure(f, unknown)
+    let rational = f.flags & RATIONAL != 0;
+    let (components, orders) = (if rational { 4 } else { 3 }, if second { 6 } else { 3 });
+    let sums = Sums::new(f, &scene.points, span, [&nu, &nv], components, orders);
+    let mut tape = Tape::new();
+    let mut leaves = [None; 6];
+    for order in 0..orders {
+        let (value, radius) = (sums.value[order], sums.radius[order]);
+        let [x, y, z, w] = std::array::from_fn(|c| tape.leaf(value[c], radius[c]));
+        leaves[order] = x.zip(y).zip(z.zip(w)).map(|((x, y), (z, w))| [x, y, z, w]);
+    }
+    let tail = Tail::new(&mut tape, &leaves, rational);
+    let run = Run { basis: [&nu, &nv], sums: &sums, tape: &tape, leaves: &leaves, second };
+    run.enclosure(f, &tail, unknown)
 }
 
 /// What f64 may have lost of a local parameter on the way to the knot domain and back.
@@ -234,36 +245,19 @@ fn narrowed([start, end]: [f64; 2]) -> Narrowed {
 }
 
 /// The program run forward at one place, ready to be read backwards.
-struct Evaluation<const CAPACITY: usize> {
-    basis: [Basis<CAPACITY>; 2],
-    sums: Sums<CAPACITY>,
-    tape: Tape,
-    leaves: [Option<[Number; 4]>; 6],
-    tail: Tail,
+struct Run<'r, const CAPACITY: usize> {
+    basis: [&'r Basis<CAPACITY>; 2],
+    sums: &'r Sums<CAPACITY>,
+    tape: &'r Tape,
+    leaves: &'r [Option<[Number; 4]>; 6],
     second: bool,
 }
 
-impl<const CAPACITY: usize> Evaluation<CAPACITY> {
-    fn new(f: &FaceRecord, points: &[[f32; 4]], span: [usize; 2], basis: [Basis<CAPACITY>; 2], second: bool) -> Self {
-        let rational = f.flags & RATIONAL != 0;
-        let orders = if second { 6 } else { 3 };
-        let sums = Sums::new(f, points, span, [&basis[0], &basis[1]], if rational { 4 } else { 3 }, orders);
-        let mut tape = Tape::new();
-        let mut leaves = [None; 6];
-        for order in 0..orders {
-            let (value, radius) = (sums.value[order], sums.radius[order]);
-            let [x, y, z, w] = std::array::from_fn(|c| tape.leaf(value[c], radius[c]));
-            leaves[order] = x.zip(y).zip(z.zip(w)).map(|((x, y), (z, w))| [x, y, z, w]);
-        }
-        let tail = Tail::new(&mut tape, &leaves, rational);
-        Self { basis, sums, tape, leaves, tail, second }
-    }
-
+impl<const CAPACITY: usize> Run<'_, CAPACITY> {
     /// Bounds of the errors of up to eight values on the tape.
     fn bounds(&self, results: [Option<Number>; OUTPUTS]) -> [Error; OUTPUTS] {
         let mut budget = Budget::ZERO;
-        let mut adjoints = Tape::seeds(&results);
-        self.tape.sweep(&mut adjoints, &mut budget);
+        let adjoints = self.tape.sweep(&results, &mut budget);
         let of_sums: [[Adjoint; 4]; ORDERS.len()] = std::array::from_fn(|order| match &self.leaves[order] {
             Some(leaves) => leaves.map(|leaf| adjoints[leaf.index]),
             None => [Adjoint::ZERO; 4],
@@ -283,8 +277,8 @@ impl<const CAPACITY: usize> Evaluation<CAPACITY> {
         })
     }
 
-    fn enclosure(&self, f: &FaceRecord, unknown: Enclosure) -> Enclosure {
-        let Tail { position, regularity, normal, curvature } = &self.tail;
+    fn enclosure(&self, f: &FaceRecord, tail: &Tail, unknown: Enclosure) -> Enclosure {
+        let Tail { position, regularity, normal, curvature } = tail;
         let Some(position) = *position else { return unknown };
         let mut results = [None; OUTPUTS];
         let some = |x: [Number; 3]| x.map(Some);

@@ -6,7 +6,7 @@
 //! the linear recurrence is exact, so that |d result| ≤ Σ |∂ result / ∂ z| e over all operations, with the
 //! derivatives taken at the exact values: no variable that occurs twice is counted twice.
 
-use super::error::{Adjoint, Budget, DIVISION, DIVISORS, Error, FLUSH, NEIGHBOUR, ROOT};
+use super::error::{Adjoint, Budget, DIVISION, DIVISORS, Error, FLUSH, NEIGHBOUR, OUTPUTS, ROOT};
 
 /// The longest program recorded (rational, with curvatures) has 97 operations and 239 operands.
 const NODES: usize = 112;
@@ -22,6 +22,7 @@ pub(super) struct Number {
 }
 
 impl Number {
+    #[inline]
     fn largest(self) -> f64 {
         self.value.abs() + self.radius
     }
@@ -80,6 +81,7 @@ impl Tape {
     }
 
     /// Ends a node; `None` where f32 may overflow, after which nothing is known.
+    #[inline]
     fn node(&mut self, value: f64, radius: f64, local: Error) -> Option<Number> {
         let index = self.nodes;
         self.local[index] = local;
@@ -95,6 +97,7 @@ impl Tape {
     }
 
     /// A sum of terms in any order, products fused or not.
+    #[inline]
     pub fn sum(&mut self, terms: &[Term]) -> Option<Number> {
         let (mut value, mut size, mut radius, mut own, mut remainder) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for term in terms {
@@ -196,24 +199,21 @@ impl Tape {
         self.node(value, radius + own, Error::rounding(own) + Error::both(beyond))
     }
 
-    /// Derivatives of all results by all nodes, given those of the results by themselves; charges every local error.
-    pub fn sweep(&self, adjoints: &mut [Adjoint; NODES], budget: &mut Budget) {
+    /// Charges every local error to the results, and returns the derivatives of the results by all nodes.
+    #[inline]
+    pub fn sweep(&self, results: &[Option<Number>; OUTPUTS], budget: &mut Budget) -> [Adjoint; NODES] {
+        let mut adjoints = [Adjoint::ZERO; NODES];
+        for (k, result) in results.iter().enumerate() {
+            if let Some(number) = result {
+                adjoints[number.index].0[k] = 1.0;
+            }
+        }
         for index in (0..self.nodes).rev() {
             let adjoint = adjoints[index];
             budget.charge(&adjoint, self.local[index]);
             let start = if index == 0 { 0 } else { self.end[index - 1] };
             for &(of, partial) in &self.edges[usize::from(start)..usize::from(self.end[index])] {
                 adjoints[usize::from(of)].add(&adjoint, partial);
-            }
-        }
-    }
-
-    /// Adjoints, one a result: each is the derivative by itself.
-    pub fn seeds(results: &[Option<Number>; super::error::OUTPUTS]) -> [Adjoint; NODES] {
-        let mut adjoints = [Adjoint::ZERO; NODES];
-        for (k, result) in results.iter().enumerate() {
-            if let Some(number) = result {
-                adjoints[number.index].0[k] = 1.0;
             }
         }
         adjoints
@@ -223,4 +223,79 @@ impl Tape {
 /// Roundings of √(a² + b²) up to `largest`: two squares and their sum under the root, and the root.
 pub(super) fn hypotenuse_rounding(largest: f64) -> f64 {
     (NEIGHBOUR * 1.00001 + ROOT) * largest + 2.0 * FLUSH.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers in −1 … 1 that look random (Weyl's sequence), but the same on each run.
+    fn numbers() -> impl Iterator<Item = f64> {
+        (1..).map(|k| 2.0 * ((k as f64) * 0.618_033_988_749_894_9).fract() - 1.0)
+    }
+
+    /// Bound of one result of two or three operands of given radii, from the tape alone, and the operands' share.
+    fn bound(
+        of: impl Fn(&mut Tape, [Number; 3]) -> Option<Number>,
+        x: [f64; 3],
+        radii: [f64; 3],
+    ) -> Option<(f64, f64)> {
+        let mut tape = Tape::new();
+        let leaves = [0, 1, 2].map(|k| tape.leaf(x[k], radii[k]).expect("small"));
+        let result = of(&mut tape, leaves)?;
+        let mut results = [None; OUTPUTS];
+        results[0] = Some(result);
+        let mut budget = Budget::ZERO;
+        let adjoints = tape.sweep(&results, &mut budget);
+        let linear: f64 = leaves.iter().zip(radii).map(|(leaf, r)| adjoints[leaf.index].0[0].abs() * r).sum();
+        Some((result.value, linear + budget.of(0).rounding))
+    }
+
+    /// Every operation with every operand anywhere in its ball, and every rounding at its worst, stays inside; a bound
+    /// half as wide would not.
+    #[test]
+    fn operations_on_balls_hold_by_brute_force() {
+        type Operation = (&'static str, fn(&mut Tape, [Number; 3]) -> Option<Number>, fn([f64; 3]) -> f64, f64);
+        let operations: [Operation; 5] = [
+            ("a b + c", |t, [a, b, c]| t.sum(&[product(a, b), plain(c)]), |[a, b, c]| a * b + c, NEIGHBOUR),
+            ("a b", |t, [a, b, _]| t.sum(&[product(a, b)]), |[a, b, _]| a * b, NEIGHBOUR),
+            ("a / b", |t, [a, b, _]| t.quotient(a, b), |[a, b, _]| a / b, DIVISION),
+            ("√a", |t, [a, _, _]| t.root(a), |[a, _, _]| a.sqrt(), ROOT * 0.9999),
+            ("√(a² + b²)", |t, [a, b, _]| t.hypotenuse(a, b), |[a, b, _]| a.hypot(b), ROOT),
+        ];
+        for (name, record, exact, accuracy) in operations {
+            let mut random = numbers();
+            let (mut tried, mut closest) = (0, 0.0f64);
+            for scale in [0.0, 1e-7, 1e-3, 0.1] {
+                for _ in 0..500 {
+                    let x: [f64; 3] = std::array::from_fn(|_| random.next().expect("endless"));
+                    let radii = x.map(|x| scale * x.abs());
+                    let Some((middle, half_width)) = bound(record, x, radii) else { continue };
+                    for corner in 0..27 {
+                        let sign = |k: u32| f64::from(corner / 3u32.pow(k) % 3) - 1.0;
+                        let moved: [f64; 3] = std::array::from_fn(|k| x[k] + sign(k as u32) * radii[k]);
+                        // Short of the worst by what f64 loses of these sums here.
+                        for rounding in [-accuracy, accuracy].map(|x| x * 0.999_999) {
+                            let share = (exact(moved) * (1.0 + rounding) - middle).abs() / half_width;
+                            assert!(share <= 1.0, "{name} at {x:?} ± {radii:?}: {share} of {half_width}");
+                            closest = closest.max(share);
+                            tried += 1;
+                        }
+                    }
+                }
+            }
+            assert!(tried > 10_000 && closest > 0.5, "{name}: {tried} tried, the closest at {closest}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_claimed_of_a_quotient_by_what_may_be_zero_nor_of_an_overflow() {
+        let mut tape = Tape::new();
+        let one = tape.leaf(1.0, 0.0).expect("small");
+        let near_zero = tape.leaf(1e-3, 1e-3).expect("small");
+        assert!(tape.quotient(one, near_zero).is_none() && tape.root(near_zero).is_none());
+        let large = tape.leaf(1e30, 0.0).expect("an f32");
+        assert!(tape.sum(&[product(large, large)]).is_none());
+        assert!(tape.leaf(f64::NAN, 0.0).is_none());
+    }
 }

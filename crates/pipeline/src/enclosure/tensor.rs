@@ -64,13 +64,11 @@ impl<const CAPACITY: usize> Sums<CAPACITY> {
         // Σ |terms| and Σ |N_u| × Σ |N_v|, for the greatest partial sums and for narrowing.
         let mut sizes = [zero; 6];
         let mut weights = [0.0; 6];
+        // Functions beyond the degree are zero.
+        let lengths: [f64; 3] = std::array::from_fn(|b| nv.functions[b].value.iter().map(|n| n.abs()).sum());
         for i in 0..=p {
             let first = face.points as usize + (span[0] - p + i) * face.count_v as usize + span[1] - q;
             let points = &points[first..=first + q];
-            let mut lengths = [0.0; 3];
-            for b in 0..kinds {
-                lengths[b] = (0..=q).map(|j| nv.functions[b].value[j].abs()).sum();
-            }
             for c in 0..components {
                 let mut rows = [Row::default(); 3];
                 for (j, point) in points.iter().enumerate() {

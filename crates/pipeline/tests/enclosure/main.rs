@@ -55,7 +55,7 @@ fn knots(random: &mut Random, degree: usize) -> KnotVector {
 /// A surface of any degrees to 9: a sheet, bulging or noisy, with weights in a ratio of up to 1 : 1000.
 fn surface(random: &mut Random) -> Surface {
     let degree = [random.below(9) + 1, random.below(9) + 1];
-    let degree = if random.below(3) == 0 { [3, 3] } else { degree };
+    let degree = if random.coin() { [3, 3] } else { degree };
     let [ku, kv] = degree.map(|p| knots(random, p));
     let [rows, columns] = [&ku, &kv].map(|k| k.control_count());
     let noise = [0.0, 0.05, 0.5][random.below(3)];
