@@ -4,5 +4,6 @@ mod arrows;
 mod evaluation;
 mod faults;
 mod golden;
+mod judging;
 mod rays;
 mod three_way;

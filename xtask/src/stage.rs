@@ -2,7 +2,7 @@
 
 use crate::terminal;
 use anyhow::{Result, bail};
-use compare::{Deviation, Judge, PairReport, PixelVerdict, Sampler, Verdict};
+use compare::{Deviation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, shade_tolerant};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval, enclose};
 use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
@@ -28,11 +28,18 @@ pub struct Plan {
     pub scheme: Scheme,
     /// Chord error of a tessellation, pixels.
     pub chord_px: f64,
+    /// The share of covered pixels that may have a value without a bound in f32: what the scene states.
+    pub unbounded_share: f64,
 }
 
 impl Default for Plan {
     fn default() -> Self {
-        Self { technique: Technique::default(), scheme: Scheme::default(), chord_px: DEFAULT_CHORD_PX }
+        Self {
+            technique: Technique::default(),
+            scheme: Scheme::default(),
+            chord_px: DEFAULT_CHORD_PX,
+            unbounded_share: UNBOUNDED_SHARE,
+        }
     }
 }
 
@@ -237,7 +244,7 @@ impl<'m> Stage<'m> {
     }
 
     fn judge(&self) -> Judge<'_> {
-        Judge::new(self.model, &self.camera, self.viewport, &self.scene)
+        Judge::new(self.model, &self.camera, self.viewport, &self.scene).with_unbounded_share(self.plan.unbounded_share)
     }
 
     /// The allowance against the surface itself, or between two renderers of the same triangles.

@@ -3,15 +3,15 @@
 mod machine;
 
 use glam::DVec3;
-use machine::{DIRECTIONS, Direction, Machine, Random, Returned};
-use nurbs::{KnotVector, Surface};
+use machine::{DIRECTIONS, Machine, Random, Returned};
+use nurbs::{Direction, KnotVector, Normal, Surface};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval, Parameter, Regularity, enclose};
 use pipeline::{PackedScene, Scheme};
 use rayon::prelude::*;
 use scene::Model;
 
 /// Surfaces, places on each, and evaluations at each place: 1,036,800 in all.
-const SURFACES: u64 = 240;
+const SURFACES: u64 = 2400;
 const PLACES: usize = 18;
 const EVALUATIONS: usize = 24;
 
@@ -78,15 +78,19 @@ fn surface(random: &mut Random) -> Surface {
     Surface::new(ku, kv, points, weights).expect("a legal surface")
 }
 
-fn packed(random: &mut Random) -> PackedScene {
+fn model(random: &mut Random) -> Model {
     let mut model = Model::of_surfaces("random", vec![surface(random)]).expect("one face");
     if random.coin() {
         let mut faces = model.faces().to_vec();
         faces[0].reversed = true;
         model = Model::new("random", model.surfaces().to_vec(), faces).expect("one face");
     }
+    model
+}
+
+fn packed(random: &mut Random, model: &Model) -> PackedScene {
     let scheme = if random.coin() { Scheme::General } else { Scheme::Specialised };
-    PackedScene::new(&model, scheme).expect("a usable size")
+    PackedScene::new(model, scheme).expect("a usable size")
 }
 
 /// A place: anywhere, on a knot, beside one, or at an end.
@@ -167,7 +171,8 @@ impl Found {
 fn evaluate(surfaces: std::ops::Range<u64>, allowed: f64) -> Found {
     let one = |seed: u64| {
         let mut random = Random(seed);
-        let scene = packed(&mut random);
+        let model = model(&mut random);
+        let scene = packed(&mut random, &model);
         let mut found = Found::default();
         for _ in 0..PLACES {
             let uv = place(&mut random, &scene);
@@ -206,53 +211,129 @@ fn a_million_evaluations_by_any_adapter_lie_inside() {
     assert!(found.most.position > 0.5 && found.most.normal > 0.2 && found.most.curvature > 0.2, "{found:?}");
 }
 
-/// Half-widths and errors of the strict program at random places of regular bicubic faces, by quantity.
 #[test]
-fn figures() {
-    for name in ["teapot", "surface", "rational", "sphere"] {
+fn an_enclosure_that_is_too_narrow_is_noticed() {
+    for allowed in [0.5, 0.25] {
+        let found = evaluate(0..60, allowed);
+        assert!(found.outside > 0, "{found:?}");
+    }
+}
+
+/// A renderer whose parameters are no f32 may have evaluated at either neighbour, and on either side of a knot.
+#[test]
+fn parameters_that_are_not_known_to_the_bit_allow_both_neighbours() {
+    let mut ambiguous = 0;
+    for seed in 0..300 {
+        let mut random = Random(seed);
+        let model = model(&mut random);
+        let scene = packed(&mut random, &model);
+        let [u, v] = place(&mut random, &scene).map(|t| t.clamp(f32::EPSILON, 1.0 - f32::EPSILON));
+        let frame = &scene.frames[0];
+        let middle = 0.5 * (frame.uv([u, v]) + frame.uv([u.next_down(), v.next_down()]));
+        let enclosures = enclose(&scene, 0, frame.parameters(middle), true);
+        ambiguous += usize::from(enclosures.iter().count() > 1);
+        for uv in [[u, v], [u.next_down(), v], [u, v.next_down()], [u.next_down(), v.next_down()]] {
+            let mut machine = Machine { random: Random(seed), direction: DIRECTIONS[seed as usize % DIRECTIONS.len()] };
+            let returned = machine.fragment(&scene, 0, uv);
+            let most = |e: &Enclosure| {
+                let share = used(e, &returned);
+                share.position.max(share.normal).max(share.curvature)
+            };
+            let least = enclosures.iter().map(most).fold(f64::INFINITY, f64::min);
+            assert!(least <= 1.0, "seed {seed} at {uv:?}: {least} of {enclosures:?}, {returned:?}");
+        }
+    }
+    assert!(ambiguous > 10, "{ambiguous}");
+}
+
+/// At the model's own knots and control points, in f64, all lies where narrowing may have put it.
+#[test]
+fn the_surface_in_f64_lies_within_the_packing_bound() {
+    let (mut most, mut checked) = (Used::default(), 0);
+    for seed in 0..1500 {
+        let mut random = Random(seed);
+        let model = model(&mut random);
+        let scene = packed(&mut random, &model);
+        let frame = &scene.frames[0];
+        let surface = &model.surfaces()[0];
+        for _ in 0..8 {
+            let uv = [random.unit() as f32, random.unit() as f32];
+            let e = only(&enclose(&scene, 0, uv.map(Parameter::exact), true));
+            let (u, v) = frame.uv(uv).into();
+            // A knot between here and where narrowing put it changes the polynomial.
+            let near = |d: Direction, t: f64| {
+                let knots = surface.knots(d);
+                knots.knots().iter().any(|k| (k - t).abs() < 1e-6 * knots.length())
+            };
+            let Some(s) = e.position.filter(|s| s[0].packing.is_finite()) else { continue };
+            if near(Direction::U, u) || near(Direction::V, v) {
+                continue;
+            }
+            checked += 1;
+            let narrowed = |x: Interval| Interval { half_width: x.packing, ..x };
+            let within = |intervals: &[Interval], found: &[f64], slack: f64| {
+                let shares = intervals.iter().zip(found).map(|(i, x)| {
+                    let error = ((x - i.middle).abs() - slack).max(0.0);
+                    narrowed(*i).share(i.middle + error)
+                });
+                shares.fold(0.0, f64::max)
+            };
+            let point = surface.inspect(u, v);
+            let sign = if model.faces()[0].reversed { -1.0 } else { 1.0 };
+            let local = (point.derivatives.s - frame.origin) / frame.scale;
+            let lost = 4.0 * f64::EPSILON * frame.origin.abs().max_element() / frame.scale;
+            most.position = most.position.max(within(&s, &local.to_array(), lost));
+            if let (Some(n), Normal::Regular(found)) = (e.normal, point.normal) {
+                most.normal = most.normal.max(within(&n, &(sign * found).to_array(), 1e-14));
+            }
+            if let (Some(k), Some(found)) = (e.curvature, point.curvature) {
+                let [k1, k2] = if sign < 0.0 { [-found.k2, -found.k1] } else { [found.k1, found.k2] };
+                let size = 1e-10 * frame.scale * k1.abs().max(k2.abs());
+                most.curvature = most.curvature.max(within(&k, &[k1 * frame.scale, k2 * frame.scale], size));
+            }
+        }
+    }
+    println!("{checked} places, largest shares {most:?}");
+    assert!(checked > 5000, "{checked}");
+    assert!(most.position <= 1.0 && most.normal <= 1.0 && most.curvature <= 1.0, "{most:?}");
+    assert!(most.position > 0.1 && most.normal > 0.1, "{most:?}");
+}
+
+/// Half-widths against the errors of the CPU's program, as lengths over the coordinates of a quantity, at random places
+/// of regular bicubic faces.
+#[test]
+fn half_widths_are_of_the_size_of_the_errors_seen() {
+    for name in ["teapot", "surface", "rational"] {
         let model = formats::builtin(name).expect("built in");
         let scene = PackedScene::new(&model, Scheme::Specialised).expect("packable");
         let mut random = Random(7);
-        let mut pairs: [Vec<(f64, f64, f64)>; 3] = Default::default();
-        let mut seconds = 0.0;
-        let count = 20000;
-        for _ in 0..count {
+        // Half-widths and errors of S, the normal, the curvatures.
+        let mut seen: [[Vec<f64>; 2]; 3] = Default::default();
+        for _ in 0..20_000 {
             let face = random.below(scene.faces.len()) as u32;
             let uv = [random.unit() as f32, random.unit() as f32];
             let fragment = pipeline::fragment::fragment(&scene, face, uv, true);
-            let start = std::time::Instant::now();
             let e = only(&enclose(&scene, face, uv.map(Parameter::exact), true));
-            seconds += start.elapsed().as_secs_f64();
             let (Some(s), Some(n), Some(k)) = (e.position, e.normal, e.curvature) else { continue };
-            let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let mut push = |at: usize, intervals: &[Interval], found: &[f32]| {
-                let errors: Vec<f64> = intervals.iter().zip(found).map(|(i, x)| f64::from(*x) - i.middle).collect();
-                let halves: Vec<f64> = intervals.iter().map(|i| i.half_width).collect();
-                let share = intervals.iter().zip(found).map(|(i, x)| i.share(f64::from(*x))).fold(0.0, f64::max);
-                pairs[at].push((length(&halves), length(&errors), share));
-            };
-            push(0, &s, &fragment.position);
-            push(1, &n, &fragment.normal);
-            push(2, &k, &fragment.curvature);
+            let quantities: [(&[Interval], &[f32]); 3] =
+                [(&s, &fragment.position), (&n, &fragment.normal), (&k, &fragment.curvature)];
+            for ((intervals, found), [halves, errors]) in quantities.into_iter().zip(&mut seen) {
+                let length = |of: &dyn Fn(usize) -> f64| (0..found.len()).map(|c| of(c) * of(c)).sum::<f64>().sqrt();
+                halves.push(length(&|c| intervals[c].half_width));
+                errors.push(length(&|c| f64::from(found[c]) - intervals[c].middle));
+            }
         }
-        println!("{name}: {:.2} µs", 1e6 * seconds / count as f64);
-        for (what, pairs) in ["S", "n", "k"].iter().zip(&pairs) {
-            let sorted = |f: fn(&(f64, f64, f64)) -> f64| {
-                let mut all: Vec<f64> = pairs.iter().map(f).collect();
-                all.sort_by(f64::total_cmp);
-                all
-            };
-            let (halves, errors, shares) = (sorted(|p| p.0), sorted(|p| p.1), sorted(|p| p.2));
-            let m = pairs.len() / 2;
+        for (quantity, [mut halves, mut errors]) in ["S", "n", "k"].into_iter().zip(seen) {
+            halves.sort_by(f64::total_cmp);
+            errors.sort_by(f64::total_cmp);
+            let at = |sorted: &[f64], share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
+            let half = at(&halves, 0.5);
+            let [median, high, most] = [0.5, 0.99, 1.0].map(|share| half / at(&errors, share));
             println!(
-                "  {what}: half {:.3e} error {:.3e} ratio {:.1}; to largest {:.1}; largest share {:.3}; ({})",
-                halves[m],
-                errors[m],
-                halves[m] / errors[m],
-                halves[m] / errors[pairs.len() - 1],
-                shares[pairs.len() - 1],
-                pairs.len()
+                "{name} {quantity}: {half:.2e}, {median:.1} of the median error, {high:.1} of the 99th percentile, {most:.1} of the largest"
             );
+            // Strictly to nearest, nothing uses more than a sixth: the median is what WGSL's freedoms cost.
+            assert!(high <= 32.0, "{name} {quantity}: {high}");
         }
     }
 }
