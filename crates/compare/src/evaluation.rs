@@ -10,6 +10,10 @@ use pipeline::enclosure::{Enclosure, Interval, Regularity, enclose};
 /// Roundings in f64 of a position on its way from local coordinates to the world and back, of the sizes involved.
 const WIDENING: f64 = 4.0 * f64::EPSILON;
 
+/// Rounding of f64's own evaluation against f32's, which is 2³⁰ times coarser, with room for another order of operations
+/// and other knots.
+const OWN_ROUNDING: f64 = 1.0 / 1024.0;
+
 /// How far, in units of 2⁻²⁴ of the domain, packing may move a knot of a clamped direction: two parameters closer than
 /// this to a knot are on either span.
 const KNOT_ULPS: f64 = 2.0;
@@ -17,21 +21,24 @@ const KNOT_ULPS: f64 = 2.0;
 impl Judge<'_> {
     /// Checks a hit's values at its own (u, v).
     ///
-    /// They must lie in the enclosure on some pair of spans that f32 allows; and the enclosure, wider by what packing
-    /// narrows, must hold S, normal and curvatures in f64, for otherwise the packed face is another one.
+    /// They must lie in the enclosure on some pair of spans that f32 allows; and S, normal and curvatures in f64 must lie
+    /// no farther from its middle than packing narrows, for otherwise the packed face is another one.
     pub(crate) fn evaluation(&self, hit: &Hit) -> Result<Shares, Difference> {
         if !hit.uv.is_finite() || !hit.position.is_finite() {
             let detail = format!("(u, v) = {}, S = {}", hit.uv, hit.position);
             return Err(Difference::new(self.attribution.of_position(hit, f64::INFINITY), f64::INFINITY, detail));
         }
         let frame = &self.scene.frames[hit.face.0 as usize];
-        let enclosures = enclose(self.scene, hit.face.0, frame.parameters(hit.uv), hit.curvature.is_some());
+        let parameters = frame.parameters(hit.uv);
+        let enclosures = enclose(self.scene, hit.face.0, parameters, hit.curvature.is_some());
+        // Where the parameters are not known to the bit, the half-width holds what they leave open.
+        let kept = if parameters.iter().all(|t| t.is_exact()) { OWN_ROUNDING } else { 1.0 };
         let local = Local::of(hit, frame);
         let mut first = None;
         for enclosure in enclosures.iter() {
             match self.inside(hit, &local, enclosure) {
                 Ok(shares) => {
-                    self.packed_rightly(hit, &local, enclosure)?;
+                    self.packed_rightly(hit, &local, &widened(enclosure, kept))?;
                     return Ok(Shares { ambiguous: enclosures.is_ambiguous(), ..shares });
                 }
                 Err(difference) => first = first.or(Some(difference)),
@@ -128,15 +135,13 @@ impl Judge<'_> {
     ) -> Result<(), Difference> {
         if let Some(intervals) = enclosure.position {
             let s = ((point.derivatives.s - frame.origin) / frame.scale).to_array();
-            let (intervals, found) = (intervals.map(widened), s);
-            let share = greatest(&intervals, found, slack);
+            let share = greatest(&intervals, s, slack);
             if share > 1.0 {
-                let detail = words("the packed face is off; S in f64", &intervals, found);
+                let detail = words("the packed face is off; S in f64", &intervals, s);
                 return Err(Difference::new(self.attribution.of_position(hit, share), share, detail));
             }
         }
         if let (Some(intervals), Normal::Regular(n)) = (enclosure.normal, point.normal) {
-            let intervals = intervals.map(widened);
             let share = greatest(&intervals, n.to_array(), 0.0);
             if share > 1.0 {
                 let detail = words("the packed face is off; the normal in f64", &intervals, n.to_array());
@@ -144,7 +149,7 @@ impl Judge<'_> {
             }
         }
         if let (Some(intervals), Some(k)) = (enclosure.curvature, &point.curvature) {
-            let (intervals, k) = (intervals.map(widened), [k.k1 * frame.scale, k.k2 * frame.scale]);
+            let k = [k.k1 * frame.scale, k.k2 * frame.scale];
             let share = greatest(&intervals, k, 0.0);
             if share > 1.0 {
                 let detail = words("the packed face is off; k1, k2 in f64 (local)", &intervals, k);
@@ -191,9 +196,16 @@ impl Local {
     }
 }
 
-/// The interval that holds the model's own value, too.
-fn widened(interval: Interval) -> Interval {
-    Interval { half_width: interval.half_width + interval.packing, ..interval }
+/// The intervals that hold the model's own values: wide by what packing narrows and a share of the half-widths.
+fn widened(enclosure: &Enclosure, kept: f64) -> Enclosure {
+    let one = |x: Interval| Interval { half_width: kept * x.half_width + x.packing, ..x };
+    let Enclosure { position, normal, curvature, .. } = *enclosure;
+    Enclosure {
+        position: position.map(|x| x.map(one)),
+        normal: normal.map(|x| x.map(one)),
+        curvature: curvature.map(|x| x.map(one)),
+        ..*enclosure
+    }
 }
 
 /// The greatest share of the coordinates, each of which f64 may have moved by `slack`.

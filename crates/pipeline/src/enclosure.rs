@@ -76,6 +76,11 @@ impl Parameter {
         }
     }
 
+    /// Whether it is known to the bit.
+    pub fn is_exact(self) -> bool {
+        self.low == self.high
+    }
+
     fn middle(self) -> f64 {
         0.5 * (f64::from(self.low) + f64::from(self.high))
     }
