@@ -14,7 +14,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("raster", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("gpu", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("raycast", &["nurbs", "scene", "gbuffer"]),
-    ("compare", &["nurbs", "scene", "gbuffer"]),
+    ("compare", &["nurbs", "scene", "gbuffer", "pipeline"]),
 ];
 
 /// On top of all: these may use any crate.

@@ -5,5 +5,6 @@ mod evaluation;
 mod faults;
 mod foreign;
 mod golden;
+mod judging;
 mod rays;
 mod three_way;

@@ -13,7 +13,7 @@ use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use compare::{PairReport, Verdict};
+use compare::{PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Picture, ShadeKind, Shading};
 use pictures::Pictures;
 use pipeline::{DEFAULT_CHORD_PX, Scheme, Technique};
@@ -66,6 +66,9 @@ pub struct DrawingArgs {
     /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are granted
     #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, allow_negative_numbers = true)]
     chord: f64,
+    /// The share of covered pixels that may have a value without a bound in f32, as poles have; from 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE)]
+    unbounded: f64,
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -136,7 +139,7 @@ impl DrawingArgs {
             SchemeName::Specialised => Scheme::Specialised,
             SchemeName::General => Scheme::General,
         };
-        Plan { technique, scheme, chord_px: self.chord }
+        Plan { technique, scheme, chord_px: self.chord, unbounded_share: self.unbounded }
     }
 }
 

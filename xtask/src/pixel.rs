@@ -6,10 +6,10 @@ use crate::view::{ModelArgs, ViewArgs};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
-use compare::ToleranceModel;
 use gbuffer::Hit;
 use glam::DVec3;
 use nurbs::{Direction, Normal};
+use pipeline::enclosure::{Enclosure, Enclosures, Interval};
 use raycast::Caster;
 use std::process::ExitCode;
 
@@ -58,11 +58,18 @@ pub fn run(args: &PixelArgs) -> Result<ExitCode> {
         println!("gpu not run: {why}");
         return Ok(ExitCode::from(2));
     }
-    for pair in stage.compare(&caster, &rendered)? {
-        let verdict = pair.worst.iter().find(|p| (p.x, p.y) == (x, y));
-        let words = verdict
-            .map_or("agree, or not among the worst".to_owned(), |p| format!("{}: {}", p.cause.label(), p.detail));
-        println!("{} | {}: {words}", pair.reference, pair.candidate);
+    for (reference, candidate, verdict) in stage.pixel(&caster, &rendered, [x, y])? {
+        let cause = verdict.cause.map_or("agree", |cause| cause.label());
+        println!("{reference} | {candidate}: {cause}: {}", verdict.detail);
+        let share = |share: Option<f64>| share.map_or("—".to_owned(), |share| format!("{:.1} %", 100.0 * share));
+        let compare::Shares { position, normal, curvature, unbounded, ambiguous } = verdict.shares;
+        println!("  of the intervals: S {}, n {}, k {}", share(position), share(normal), share(curvature));
+        if unbounded {
+            println!("  a value has no bound in f32 here: counted, not judged");
+        }
+        if ambiguous {
+            println!("  f32 leaves a decision open here: any of its answers is right");
+        }
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -86,25 +93,30 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) {
     row("S", &|hit| text(hit.position));
     row("S_u, f64 at this (u, v)", &|hit| text(derivatives(hit).su));
     row("S_v, f64 at this (u, v)", &|hit| text(derivatives(hit).sv));
-    row("|S − S f64| (tolerance)", &|hit| {
-        let error = hit.position.distance(derivatives(hit).s);
-        format!("{error:.3e} ({:.3e})", tolerance(stage, hit).position)
+    let enclosures = |hit: &Hit| stage.enclosures(hit, true);
+    row("interval of S, local", &|hit| intervals(&enclosures(hit), |e| e.position));
+    row("S, local", &|hit| {
+        let frame = &stage.scene.frames[hit.face.0 as usize];
+        let s = (hit.position - frame.origin) / frame.scale;
+        s.to_array().map(|x| format!("{x:+.9e}")).join("\n")
     });
     row("normal", &|hit| match hit.normal {
         Normal::Regular(n) => text(n),
         Normal::Limit(n) => format!("limit {}", text(n)),
         Normal::Undefined => "undefined".to_owned(),
     });
-    row("|n − n f64| (tolerance)", &|hit| {
-        let reversed = stage.model.faces()[hit.face.0 as usize].reversed;
-        let exact = surface(hit).inspect(hit.uv.x, hit.uv.y).normal.unit().map(|n| if reversed { -n } else { n });
-        match (hit.normal.unit(), exact, tolerance(stage, hit).normal) {
-            (Some(a), Some(b), Some(allowed)) => format!("{:.3e} ({allowed:.3e})", a.distance(b)),
-            _ => "no bound".to_owned(),
-        }
-    });
+    row("interval of the normal", &|hit| intervals(&enclosures(hit), |e| e.normal));
     row("k1", &|hit| hit.curvature.map_or("—".to_owned(), |k| k.k1.to_string()));
     row("k2", &|hit| hit.curvature.map_or("—".to_owned(), |k| k.k2.to_string()));
+    row("interval of k1, k2", &|hit| {
+        let scale = stage.scene.frames[hit.face.0 as usize].scale;
+        intervals(&enclosures(hit), |e| e.curvature.map(|k| k.map(|k| k.scaled(1.0 / scale))))
+    });
+    row("decisions", &|hit| {
+        let each =
+            enclosures(hit).iter().map(|e| format!("packed span {:?}: {:?}", e.span, e.regularity)).collect::<Vec<_>>();
+        each.join("\n")
+    });
     row("t", &|hit| hit.t.to_string());
     row("off the pixel's centre, px", &|hit| {
         let picture = stage.camera.project(stage.viewport, derivatives(hit).s);
@@ -124,11 +136,13 @@ fn spans(stage: &Stage, hit: &Hit) -> [usize; 2] {
     [surface.knots(Direction::U).find_span(hit.uv.x), surface.knots(Direction::V).find_span(hit.uv.y)]
 }
 
-fn tolerance(stage: &Stage, hit: &Hit) -> compare::Tolerance {
-    let surface = stage.model.surface(hit.face);
-    let point = surface.inspect(hit.uv.x, hit.uv.y);
-    let model = ToleranceModel::new(surface);
-    model.at(spans(stage, hit), hit.uv.x, hit.uv.y, &point.derivatives, point.curvature.as_ref())
+/// A line for each coordinate, under each other for each pair of spans.
+fn intervals<const N: usize>(enclosures: &Enclosures, of: impl Fn(&Enclosure) -> Option<[Interval; N]>) -> String {
+    let one = |enclosure: &Enclosure| match of(enclosure) {
+        None => "no bound".to_owned(),
+        Some(intervals) => intervals.map(|x| format!("{:+.9e} ± {:.2e}", x.middle, x.half_width)).join("\n"),
+    };
+    enclosures.iter().map(one).collect::<Vec<_>>().join("\nor\n")
 }
 
 fn text(v: DVec3) -> String {

@@ -2,19 +2,20 @@
 
 use crate::terminal;
 use anyhow::{Result, bail};
-use compare::{Deviation, Judge, PairReport, Sampler, ToleranceModel, Verdict};
+use compare::{Deviation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, shade_tolerant};
+use pipeline::enclosure::{Enclosure, Enclosures, Interval, enclose};
 use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
 use raster::{Drawing, PointSampler, Rasterizer};
 use raycast::Caster;
-use scene::{Camera, FaceId, Model, Viewport};
+use scene::{Camera, Model, Viewport};
 use serde::Serialize;
 
 /// A colour shaded on the GPU may differ from that of its own G-buffer by this much in a channel: one step of
 /// rounding to 8 bits on either side.
 const COLOUR_STEPS: u8 = 2;
 
-/// How far the argument of a band may move between the two, beyond the normal's own tolerance, in units of 2⁻²⁴: the
+/// How far the argument of a band may move between the two, beyond what the normals may differ by, in units of 2⁻²⁴: the
 /// view direction of the fragment stage comes from an interpolated position.
 const VIEW_ULPS: f32 = 128.0;
 
@@ -27,11 +28,18 @@ pub struct Plan {
     pub scheme: Scheme,
     /// Chord error of a tessellation, pixels.
     pub chord_px: f64,
+    /// The share of covered pixels that may have a value without a bound in f32: what the scene states.
+    pub unbounded_share: f64,
 }
 
 impl Default for Plan {
     fn default() -> Self {
-        Self { technique: Technique::default(), scheme: Scheme::default(), chord_px: DEFAULT_CHORD_PX }
+        Self {
+            technique: Technique::default(),
+            scheme: Scheme::default(),
+            chord_px: DEFAULT_CHORD_PX,
+            unbounded_share: UNBOUNDED_SHARE,
+        }
     }
 }
 
@@ -197,12 +205,7 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the buffers cannot be compared.
     pub fn against_raycast(&self, caster: &Caster, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
-        let sampler = Rays { caster, camera: self.camera, viewport: self.viewport };
-        let deviation = match self.plan.technique {
-            Technique::Fragment => Deviation::of_proxy(self.model, &self.proxy.chord),
-            Technique::Exact => Deviation::exact(self.model),
-        };
-        self.pair(reference, &sampler, candidate, &deviation, true)
+        self.pair(reference, &self.rays(caster), candidate, true)
     }
 
     /// The GPU's buffer against the CPU rasterizer's.
@@ -211,32 +214,71 @@ impl<'m> Stage<'m> {
     /// Where the buffers cannot be compared.
     pub fn against_raster(&self, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
         let rasterizer = self.rasterizer(raster::Options { curvature: false, interpolated_normals: false });
-        let sampler = Triangles(rasterizer.sampler());
-        let deviation = match self.plan.technique {
-            Technique::Fragment => Deviation::of_same_proxy(self.model, &self.proxy.chord),
-            Technique::Exact => Deviation::exact(self.model).either(&Deviation::exact(self.model)),
-        };
-        self.pair(reference, &sampler, candidate, &deviation, false)
+        self.pair(reference, &Triangles(rasterizer.sampler()), candidate, false)
     }
 
-    fn pair(
+    /// What each comparison says of pixel `at`, with the names of reference and candidate.
+    ///
+    /// # Errors
+    /// Where two buffers cannot be compared.
+    pub fn pixel(
         &self,
-        reference: &GBuffer,
-        sampler: &dyn Sampler,
-        candidate: &GBuffer,
-        deviation: &Deviation,
-        exact: bool,
-    ) -> Result<PairReport> {
-        let judge = Judge::new(self.model, &self.camera, self.viewport);
+        caster: &Caster,
+        rendered: &Rendered,
+        at: [usize; 2],
+    ) -> Result<Vec<(String, String, PixelVerdict)>> {
+        let rays = self.rays(caster);
+        let rasterizer = self.rasterizer(raster::Options { curvature: false, interpolated_normals: false });
+        let triangles = Triangles(rasterizer.sampler());
+        let Rendered { raycast, raster, gpu } = rendered;
+        let mut pairs: Vec<(&GBuffer, &dyn Sampler, &GBuffer, bool)> = vec![(raycast, &rays, raster, true)];
+        if let Ok(gpu) = gpu {
+            pairs.push((raycast, &rays, &gpu.gbuffer, true));
+            pairs.push((raster, &triangles, &gpu.gbuffer, false));
+        }
+        let judge = self.judge();
+        let verdict = |(reference, sampler, candidate, exact): (&GBuffer, &dyn Sampler, &GBuffer, bool)| {
+            let verdict = judge.pixel(reference, sampler, candidate, &self.deviation(exact), exact, at)?;
+            Ok((reference.meta().renderer.clone(), candidate.meta().renderer.clone(), verdict))
+        };
+        pairs.into_iter().map(verdict).collect()
+    }
+
+    /// What the fragment program may return at a hit's own (u, v).
+    pub fn enclosures(&self, hit: &Hit, curvature: bool) -> Enclosures {
+        let parameters = self.scene.frames[hit.face.0 as usize].parameters(hit.uv);
+        enclose(&self.scene, hit.face.0, parameters, curvature)
+    }
+
+    fn rays<'a>(&self, caster: &'a Caster<'a>) -> Rays<'a> {
+        Rays { caster, camera: self.camera, viewport: self.viewport }
+    }
+
+    fn judge(&self) -> Judge<'_> {
+        Judge::new(self.model, &self.camera, self.viewport, &self.scene).with_unbounded_share(self.plan.unbounded_share)
+    }
+
+    /// The allowance against the surface itself, or between two renderers of the same triangles.
+    fn deviation(&self, exact: bool) -> Deviation {
+        match (self.plan.technique, exact) {
+            (Technique::Fragment, true) => Deviation::of_proxy(self.model, &self.proxy.chord),
+            (Technique::Fragment, false) => Deviation::of_same_proxy(self.model, &self.proxy.chord),
+            (Technique::Exact, true) => Deviation::exact(self.model),
+            (Technique::Exact, false) => Deviation::exact(self.model).either(&Deviation::exact(self.model)),
+        }
+    }
+
+    fn pair(&self, reference: &GBuffer, sampler: &dyn Sampler, candidate: &GBuffer, exact: bool) -> Result<PairReport> {
         let what = format!("{} | {}", reference.meta().renderer, candidate.meta().renderer);
         let bar = terminal::progress(&what, self.viewport.height());
-        Ok(judge.pair(reference, sampler, candidate, deviation, exact, &|rows| bar.inc(rows as u64))?)
+        let deviation = self.deviation(exact);
+        Ok(self.judge().pair(reference, sampler, candidate, &deviation, exact, &|rows| bar.inc(rows as u64))?)
     }
 
     /// Judges the picture that the GPU shaded in its fragment stage by the G-buffer that it returned beside it.
     ///
     /// Each colour must be one that the shared shading code gives for that hit; where a band's argument is within
-    /// rounding of the band's edge (the tolerance of the normal there, and of the interpolated view), either side will do.
+    /// rounding of the band's edge (the interval of the normal there, and the interpolated view), either side will do.
     ///
     /// # Errors
     /// Where the picture is of another size.
@@ -246,7 +288,6 @@ impl<'m> Stage<'m> {
             bail!("the shaded picture measures {}x{}, not {width}x{height}", picture.width(), picture.height());
         }
         let uniform = shading.uniform(&self.camera, self.model.hull().diagonal());
-        let tolerances: Vec<ToleranceModel> = self.model.surfaces().iter().map(ToleranceModel::new).collect();
         let mut report = ShadedReport { covered: 0, differ: 0, first: None, verdict: Verdict::Differ };
         for y in 0..height {
             for x in 0..width {
@@ -256,7 +297,7 @@ impl<'m> Stage<'m> {
                         report.covered += 1;
                         let ray = self.camera.ray(self.viewport, x as f64 + 0.5, y as f64 + 0.5);
                         let input = ShadeInput::new(hit, self.model, &ray).expect("the GPU's faces were checked");
-                        let tolerance = self.normal_tolerance(&tolerances, hit) + VIEW_ULPS / (1 << 24) as f32;
+                        let tolerance = self.normal_tolerance(hit) + VIEW_ULPS / (1 << 24) as f32;
                         shade_tolerant(&uniform, &input, tolerance)
                     }
                 };
@@ -274,14 +315,12 @@ impl<'m> Stage<'m> {
         Ok(report)
     }
 
-    /// What f32 allows of the normal at a hit, or everything where there is no bound.
-    fn normal_tolerance(&self, models: &[ToleranceModel], hit: &Hit) -> f32 {
-        let FaceId(face) = hit.face;
-        let surface = self.model.surface(hit.face);
-        let point = surface.inspect(hit.uv.x, hit.uv.y);
-        let span = [nurbs::Direction::U, nurbs::Direction::V].map(|d| surface.knots(d));
-        let span = [span[0].find_span(hit.uv.x), span[1].find_span(hit.uv.y)];
-        let model = &models[self.model.faces()[face as usize].surface];
-        model.at(span, hit.uv.x, hit.uv.y, &point.derivatives, None).normal.unwrap_or(2.0) as f32
+    /// How far two normals that the program may return at a hit lie apart at most, or everything where there is no bound.
+    fn normal_tolerance(&self, hit: &Hit) -> f32 {
+        let diagonal = |enclosure: &Enclosure| {
+            let length = |n: [Interval; 3]| n.iter().map(|x| x.half_width * x.half_width).sum::<f64>().sqrt();
+            enclosure.normal.map_or(2.0, |n| 2.0 * length(n))
+        };
+        self.enclosures(hit, false).iter().map(diagonal).fold(0.0, f64::max) as f32
     }
 }

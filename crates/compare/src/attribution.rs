@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 /// far below what two unrelated answers would share.
 const MATCH_SHARE: f64 = 1e-5;
 
-/// A position within this many times its tolerance is called rounding: no mistake of the program is that small.
+/// A value within this many half-widths of its interval is called rounding: no mistake of the program is that small.
 pub const NEARLY: f64 = 16.0;
 
 /// How many pixels of a comparison may search all faces for the one whose numbers they show.
@@ -30,7 +30,7 @@ impl<'m> Attribution<'m> {
         Self { model, searches: AtomicUsize::new(0), offset: AtomicUsize::new(0) }
     }
 
-    /// The cause of a position that is `excess` times its tolerance away from S at its own (u, v).
+    /// The cause of a position that is `excess` half-widths away from S at its own (u, v).
     ///
     /// In this order: not finite, u and v exchanged (a net read by columns gives the same point on a face whose two
     /// knot vectors are alike, with the opposite normal), quotient missing, nearly right, another span, net

@@ -30,12 +30,17 @@ pub enum Cause {
     Curvature,
     /// S at the candidate's (u, v) is right, but those parameters belong to another place in the picture.
     Interpolation,
-    /// Beyond the tolerance by less than [`NEARLY`](crate::NEARLY) times: rounding worse than the model of it.
+    /// Outside its interval by less than [`NEARLY`](crate::NEARLY) half-widths: rounding worse than WGSL allows.
     Rounding,
     /// A value is NaN or infinite, with no better explanation.
     NotFinite,
     /// The position is wrong and no hypothesis explains it.
     Position,
+    /// The candidate says that its root finding did not end at this pixel, and the pixel differs.
+    NewtonNotConverged,
+    /// The candidate, which solves for the surface at each pixel (technique `exact`), does not show the nearest surface
+    /// there, and no edge of it is near enough to excuse that.
+    MissedRoot,
     /// The reference could not decide the pixel; neither agreement nor difference.
     Undecided,
 }
@@ -59,6 +64,8 @@ impl Cause {
             Cause::Rounding => "rounding",
             Cause::NotFinite => "not finite",
             Cause::Position => "position",
+            Cause::NewtonNotConverged => "Newton not converged",
+            Cause::MissedRoot => "missed root",
             Cause::Undecided => "undecided",
         }
     }

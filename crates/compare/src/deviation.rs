@@ -42,7 +42,7 @@ impl Deviation {
             snap_px: SNAP_PX,
             text: format!(
                 "chord bound of the tessellation (Filip, Magedson & Markot 1986) + {SNAP_PX} px of vertex snapping + \
-                 {ATTRIBUTE_ULPS} ulp of interpolated parameters; rounding of S: running bound to first order"
+                 {ATTRIBUTE_ULPS} ulp of interpolated parameters; rounding of S: its proven interval"
             ),
         }
     }
@@ -56,7 +56,7 @@ impl Deviation {
             snap_px: 2.0 * SNAP_PX,
             text: format!(
                 "the same triangles, so no chord but at their edges: {} px of vertex snapping + {ATTRIBUTE_ULPS} ulp of interpolated \
-                 parameters; rounding of S: running bound to first order",
+                 parameters; rounding of S: its proven interval",
                 2.0 * SNAP_PX
             ),
         }

@@ -1,7 +1,7 @@
 //! How far two renderers agree: a verdict a pixel, a cause for every difference, worst first.
 //!
 //! A [`Judge`] knows the model and the camera. It takes a pixel's comparison apart (see [`Judge::pair`]):
-//! *evaluation* at the candidate's own (u, v) against f64 within a [`Tolerance`] that is computed for that point;
+//! *evaluation* at the candidate's own (u, v) within the interval that `pipeline::enclosure` proves for that point;
 //! *geometry* across the ray in pixels within a stated [`Deviation`]; *visibility* and *coverage* by asking the
 //! reference renderer what it sees nearby. There is no tuned epsilon and no mean.
 
@@ -9,19 +9,20 @@ mod attribution;
 mod cause;
 mod deviation;
 mod error;
+mod evaluation;
 mod judge;
 mod pair;
 mod report;
 mod sampler;
+mod shares;
 mod tally;
-mod tolerance;
 
 pub use attribution::NEARLY;
 pub use cause::Cause;
 pub use deviation::{ATTRIBUTE_ULPS, Deviation, EXACT_PX, SNAP_PX};
 pub use error::CompareError;
 pub use judge::Judge;
-pub use report::{Coverage, PairReport, PixelReport, Verdict};
+pub use report::{Coverage, Identical, PairReport, PixelReport, PixelVerdict, Verdict};
 pub use sampler::Sampler;
-pub use tally::UNDECIDED_SHARE;
-pub use tolerance::{Tolerance, ToleranceModel};
+pub use shares::{BINS, Histogram, Histograms, Shares};
+pub use tally::{UNBOUNDED_SHARE, UNDECIDED_SHARE};

@@ -1,7 +1,7 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
-use crate::judge::{Difference, Judge, Shares};
-use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler};
+use crate::judge::{Difference, Judge};
+use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 
@@ -14,6 +14,9 @@ const DEPTH_ULPS: f64 = 4.0;
 
 /// Cells along the sides of the grid on which a sampler is asked where the rings show nothing alike.
 const GRID: usize = 48;
+
+/// The technique, as a G-buffer's facts name it, that solves for the surface at each pixel.
+const EXACT: &str = "exact";
 
 /// What was found at a pixel that agrees.
 #[derive(Debug, Clone, Copy, Default)]
@@ -47,8 +50,17 @@ impl Pair<'_, '_> {
             Err(difference) if self.reference.is_undecided(x, y) => {
                 Err(Difference { cause: Cause::Undecided, ..difference })
             }
+            Err(difference) if self.candidate.is_undecided(x, y) => {
+                Err(Difference { cause: Cause::NewtonNotConverged, ..difference })
+            }
             other => other,
         }
+    }
+
+    /// The cause where the candidate does not show the nearest surface: one that solves for the surface at each pixel
+    /// missed a root, whether it then found a farther one or none; another cause, `otherwise`, for triangles.
+    fn unseen(&self, otherwise: Cause) -> Cause {
+        if self.candidate.meta().technique == EXACT { Cause::MissedRoot } else { otherwise }
     }
 
     /// A pixel that the candidate covers.
@@ -87,7 +99,7 @@ impl Pair<'_, '_> {
             let cause = match reference {
                 None => Cause::Coverage,
                 Some(r) if r.face == candidate.face => Cause::Interpolation,
-                Some(r) if r.t < candidate.t => Cause::Depth,
+                Some(r) if r.t < candidate.t => self.unseen(Cause::Depth),
                 Some(_) => Cause::Coverage,
             };
             let detail = format!("nothing within {bound_px:.4} px in the reference is like it");
@@ -103,7 +115,7 @@ impl Pair<'_, '_> {
         }
         let detail =
             format!("shown at t = {:.6}, but face {} at t = {:.6} hides it", candidate.t, occluder.face.0, occluder.t);
-        Err(Difference::new(Cause::Depth, (candidate.t - occluder.t) / slack, detail))
+        Err(Difference::new(self.unseen(Cause::Depth), (candidate.t - occluder.t) / slack, detail))
     }
 
     /// A pixel that only the reference covers.
@@ -115,7 +127,7 @@ impl Pair<'_, '_> {
             return Ok(());
         }
         let detail = format!("face {} is not shown, and no edge is within {bound:.4} px", reference.face.0);
-        Err(Difference::new(Cause::Coverage, f64::INFINITY, detail))
+        Err(Difference::new(self.unseen(Cause::Coverage), f64::INFINITY, detail))
     }
 
     /// S at the candidate's (u, v) is not on the pixel's ray: are u and v exchanged, or was interpolation wrong?

@@ -1,6 +1,6 @@
 //! What a comparison found, for people and for machines.
 
-use crate::Cause;
+use crate::{Cause, Histograms, Shares};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -43,6 +43,26 @@ pub struct PixelReport {
     pub detail: String,
 }
 
+/// What the comparison says of one pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PixelVerdict {
+    /// Why it differs; `None` where it agrees.
+    pub cause: Option<Cause>,
+    /// The deciding quantity and its bound in words; where it agrees, what was shown.
+    pub detail: String,
+    /// What its values use of their intervals, where they lie inside.
+    pub shares: Shares,
+}
+
+/// Pixels of two rasterizers at the same parameters of the same face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Identical {
+    /// How many there are.
+    pub alike: usize,
+    /// How many of them agree in every bit of every value.
+    pub identical: usize,
+}
+
 /// How far a candidate agrees with a reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairReport {
@@ -58,8 +78,16 @@ pub struct PairReport {
     pub causes: BTreeMap<Cause, usize>,
     /// Pixels by class.
     pub coverage: Coverage,
-    /// Covered pixels whose normal has no useful bound in f32 (a pole): counted, not judged.
+    /// Covered pixels with a value that has no useful bound in f32 (a normal at a pole): counted, not judged.
     pub unbounded: usize,
+    /// The share of the covered pixels that may be so.
+    pub unbounded_share: f64,
+    /// Covered pixels where f32 leaves a decision open, so that several answers are right.
+    pub ambiguous: usize,
+    /// Pixels where the candidate says that it did not converge, whether or not they agree.
+    pub unconverged: usize,
+    /// Pixels at the same parameters, where the reference evaluates in f32, too.
+    pub identical: Option<Identical>,
     /// The largest distance across the ray between what the two show in agreeing pixels, in pixels.
     pub max_px: f64,
     /// The bound at that pixel, in pixels.
@@ -68,18 +96,22 @@ pub struct PairReport {
     pub greatest_bound_px: f64,
     /// The largest distance along the ray in agreeing pixels that show the same face, in model units.
     pub max_along: f64,
-    /// The largest error of position at the candidate's own (u, v), as a share of its tolerance.
+    /// The largest |position − middle| at the candidate's own (u, v), as a share of its interval's half-width.
     pub position_share: f64,
     /// The same for the normal.
     pub normal_share: f64,
     /// The same for the principal curvatures.
     pub curvature_share: f64,
+    /// How many values of agreeing pixels use which share.
+    pub shares: Histograms,
     /// What set the bounds, in words.
     pub bounds: String,
     /// The worst differing pixels, worst first.
     pub worst: Vec<PixelReport>,
     /// The answer.
     pub verdict: Verdict,
+    /// Why the pair differs where no single pixel does: too many are undecided or unbounded.
+    pub explanation: Option<String>,
 }
 
 impl PairReport {

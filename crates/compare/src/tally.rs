@@ -2,13 +2,15 @@
 
 use crate::judge::Difference;
 use crate::pair::Pair;
-use crate::report::{Coverage, PairReport, PixelReport, Verdict, WORST};
-use crate::{Cause, Deviation};
-use gbuffer::GBuffer;
+use crate::report::{Coverage, Identical, PairReport, PixelReport, Verdict, WORST};
+use crate::{Cause, Histograms};
 use glam::DVec2;
 
 /// The share of covered pixels that may stay undecided in an agreement.
 pub const UNDECIDED_SHARE: f64 = 1e-3;
+
+/// The share of covered pixels that may have a value without a bound, unless a scene states another.
+pub const UNBOUNDED_SHARE: f64 = 1e-2;
 
 /// Running sums of a comparison.
 pub(crate) struct Tally {
@@ -16,15 +18,19 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    pub fn new(reference: &GBuffer, candidate: &GBuffer, deviation: &Deviation) -> Self {
+    pub fn new(pair: &Pair) -> Self {
         let report = PairReport {
-            reference: reference.meta().renderer.clone(),
-            candidate: candidate.meta().renderer.clone(),
+            reference: pair.reference.meta().renderer.clone(),
+            candidate: pair.candidate.meta().renderer.clone(),
             covered: 0,
             agree: 0,
             causes: Default::default(),
             coverage: Coverage::default(),
             unbounded: 0,
+            unbounded_share: pair.judge.unbounded_share,
+            ambiguous: 0,
+            unconverged: 0,
+            identical: (!pair.exact).then(Identical::default),
             max_px: 0.0,
             bound_px: 0.0,
             greatest_bound_px: 0.0,
@@ -32,9 +38,11 @@ impl Tally {
             position_share: 0.0,
             normal_share: 0.0,
             curvature_share: 0.0,
-            bounds: deviation.text.clone(),
+            shares: Histograms::default(),
+            bounds: pair.deviation.text.clone(),
             worst: vec![],
             verdict: Verdict::Differ,
+            explanation: None,
         };
         Self { report }
     }
@@ -44,6 +52,12 @@ impl Tally {
         let reference = pair.reference.get(x, y);
         let covered = reference.is_some() || pair.candidate.get(x, y).is_some();
         report.covered += usize::from(covered);
+        report.unconverged += usize::from(pair.candidate.is_undecided(x, y));
+        if let (Some(same), Some(a), Some(b)) = (&mut report.identical, reference, pair.candidate.get(x, y)) {
+            let alike = a.face == b.face && a.uv == b.uv;
+            same.alike += usize::from(alike);
+            same.identical += usize::from(alike && a == b);
+        }
         let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let class = if pair.is_partial(x, y, center) {
             &mut report.coverage.partial
@@ -58,14 +72,19 @@ impl Tally {
             Ok(Some(found)) => {
                 report.agree += 1;
                 report.unbounded += usize::from(found.shares.unbounded);
+                report.ambiguous += usize::from(found.shares.ambiguous);
+                report.shares.add(&found.shares);
                 if found.across_px.is_finite() && found.across_px > report.max_px && found.across_px <= found.bound_px {
                     (report.max_px, report.bound_px) = (found.across_px, found.bound_px);
                 }
                 report.greatest_bound_px = report.greatest_bound_px.max(found.bound_px);
                 report.max_along = report.max_along.max(found.along);
-                report.position_share = report.position_share.max(found.shares.position);
-                report.normal_share = report.normal_share.max(found.shares.normal);
-                report.curvature_share = report.curvature_share.max(found.shares.curvature);
+                report.position_share =
+                    found.shares.position.map_or(report.position_share, |share| share.max(report.position_share));
+                report.normal_share =
+                    found.shares.normal.map_or(report.normal_share, |share| share.max(report.normal_share));
+                report.curvature_share =
+                    found.shares.curvature.map_or(report.curvature_share, |share| share.max(report.curvature_share));
             }
             Err(Difference { cause, excess, detail }) => {
                 *report.causes.entry(cause).or_default() += 1;
@@ -82,6 +101,13 @@ impl Tally {
         a.covered += b.covered;
         a.agree += b.agree;
         a.unbounded += b.unbounded;
+        a.ambiguous += b.ambiguous;
+        a.unconverged += b.unconverged;
+        if let (Some(a), Some(b)) = (&mut a.identical, b.identical) {
+            a.alike += b.alike;
+            a.identical += b.identical;
+        }
+        a.shares.merge(&b.shares);
         a.coverage.full += b.coverage.full;
         a.coverage.partial += b.coverage.partial;
         a.coverage.none += b.coverage.none;
@@ -105,8 +131,15 @@ impl Tally {
         let report = &mut self.report;
         keep_worst(&mut report.worst);
         let undecided = report.causes.get(&Cause::Undecided).copied().unwrap_or(0);
-        let few = undecided as f64 <= UNDECIDED_SHARE * report.covered as f64;
-        if report.differing() == 0 && few {
+        let limits = [
+            (undecided, UNDECIDED_SHARE, "are undecided"),
+            (report.unbounded, report.unbounded_share, "have a value without a bound in f32"),
+        ];
+        let exceeded = limits.into_iter().find(|&(count, share, _)| count as f64 > share * report.covered as f64);
+        report.explanation = exceeded.map(|(count, share, what)| {
+            format!("{count} of {} covered pixels {what}; {:.2} % may", report.covered, 100.0 * share)
+        });
+        if report.differing() == 0 && report.explanation.is_none() {
             report.verdict = Verdict::Agree;
         }
         self.report

@@ -45,7 +45,7 @@ pub(super) fn pairs(pairs: &[PairReport]) {
         "full/partial/none",
         "across px (bound)",
         "along",
-        "S / n / k of tolerance",
+        "S / n / k of interval",
         "verdict",
     ]);
     for pair in pairs {
@@ -71,7 +71,19 @@ pub(super) fn pairs(pairs: &[PairReport]) {
     for pair in pairs {
         println!("{} | {}: bound: {}", pair.reference, pair.candidate, pair.bounds);
         if pair.unbounded > 0 {
-            println!("  {} pixels at poles, where f32 has no bound of the normal: counted, not judged", pair.unbounded);
+            println!("  {} pixels with a value that has no bound in f32 (poles): counted, not judged", pair.unbounded);
+        }
+        if pair.ambiguous > 0 {
+            println!("  {} pixels where f32 leaves a decision open: any of its answers is right", pair.ambiguous);
+        }
+        if pair.unconverged > 0 {
+            println!("  {} pixels where {} did not converge", pair.unconverged, pair.candidate);
+        }
+        if let Some(same) = pair.identical {
+            println!("  {} of {} pixels at the same (u, v) agree in every bit", same.identical, same.alike);
+        }
+        if let Some(explanation) = &pair.explanation {
+            println!("  {explanation}");
         }
         for (cause, count) in &pair.causes {
             println!("  {count} pixels: {}", cause.label());

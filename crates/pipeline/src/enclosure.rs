@@ -1,0 +1,343 @@
+//! What the fragment program may return at given local parameters, whatever WGSL allows an adapter to do.
+//!
+//! The program's third reading, beside `eval` and its twin in WGSL: the same operations in the same order, in f64, each
+//! with a bound of what f32 may make of it; then backwards, to learn what each of these errors can do to each result.
+//!
+//! **Model.** An adapter may
+//! 1. round each `+ − ×` to either neighbour of the exact result (an exact result stays exact), be off by up to 2.5 ulp
+//!    in a division, take a square root as 1 / inverseSqrt with 2 ulp of that and 2.5 ulp of the division, or anything
+//!    better;
+//! 2. skip the rounding of any product that is added to or subtracted from something (fma), at each use by itself;
+//! 3. add the terms of a sum in any order and any tree, multiply the factors of a product in any order, and pull a
+//!    factor that all terms of a sum share out of it;
+//! 4. replace a subnormal operand or result by zero, at each use by itself.
+//!
+//! It may not expand (distribute) a product over a sum, compute one of the program's named values twice in two ways, or
+//! turn a product with a reciprocal into a division: none of these is a reassociation. √0 is taken to be 0. A result is
+//! claimed only where nothing overflows and no divisor leaves 2⁻¹²⁶ … 2¹²⁶, for there WGSL promises nothing.
+//!
+//! **Proof.** Take each operation's rounding, and the remainder of that operation beyond first order, as a local error
+//! e: then the errors of all values obey the linearised program exactly, and |d result| ≤ Σ |∂ result / ∂ value| e with
+//! the derivatives at the exact values ([`tape`] says it with formulas). Remainders need only coarse radii of the
+//! operands, carried along by ball arithmetic. All roundings are bounded relative to the exact value, 2⁻²³ for a
+//! neighbour, so that reordering and pulling out factors change no bound; sums in any order by the greatest partial sum
+//! that any order can have.
+//!
+//! Midpoints and bounds are computed in f64, whose own roundings are those of the same program 2³⁰ times smaller: the
+//! bounds are widened by 2⁻²⁰ of themselves and 2⁻³⁰ of the coarse radius, which covers them.
+//!
+//! We do without an interval crate. Plain intervals lose a factor of ten here, where each basis function occurs in
+//! twelve results and each result in the next; `inari` would build GMP and MPFR besides.
+
+mod basis;
+mod error;
+mod tail;
+mod tape;
+mod tensor;
+
+use crate::eval;
+use crate::layout::{FaceRecord, RATIONAL, REVERSED};
+use crate::pack::{PackedFrame, PackedScene};
+use basis::Basis;
+use error::{Adjoint, Budget, Error, FLUSH, NEIGHBOUR, OUTPUTS};
+use glam::DVec2;
+use nurbs::MAX_ORDER;
+use tail::{Curvature, Tail};
+use tape::{Number, Tape};
+use tensor::{ORDERS, Sums};
+
+/// A normal whose half-width exceeds this in a coordinate is not bounded: a pole is near.
+pub const USELESS: f64 = 0.25;
+
+/// A local parameter as far as it is known: the program's own f32, or one of two neighbours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    low: f32,
+    high: f32,
+}
+
+impl Parameter {
+    /// A parameter that is known, in 0 … 1; clamped to it as the program does.
+    pub fn exact(t: f32) -> Self {
+        let t = t.clamp(0.0, 1.0);
+        Self { low: t, high: t }
+    }
+
+    /// The f32 that became `t` of the knot domain, or the f32 on either side where none did.
+    fn of(t: f64, domain: [f64; 2], widen: impl Fn(f32) -> f64) -> Self {
+        let nearest = (((t - domain[0]) / (domain[1] - domain[0])) as f32).clamp(0.0, 1.0);
+        let [below, above] = [nearest.next_down(), nearest.next_up()].map(|x| x.clamp(0.0, 1.0));
+        let mut same = [below, nearest, above].into_iter().filter(|&x| widen(x) == t);
+        match (same.next(), same.last()) {
+            (Some(low), Some(high)) => Self { low, high },
+            (Some(only), None) => Self::exact(only),
+            (None, _) if widen(nearest) < t => Self { low: nearest, high: above },
+            (None, _) => Self { low: below, high: nearest },
+        }
+    }
+
+    /// Whether it is known to the bit.
+    pub fn is_exact(self) -> bool {
+        self.low == self.high
+    }
+
+    fn middle(self) -> f64 {
+        0.5 * (f64::from(self.low) + f64::from(self.high))
+    }
+
+    fn radius(self) -> f64 {
+        0.5 * (f64::from(self.high) - f64::from(self.low))
+    }
+}
+
+/// What narrowing does in one direction.
+#[derive(Debug, Clone, Copy, Default)]
+struct Narrowed {
+    /// Error of a local parameter that stands for one of the knot domain.
+    parameter: f64,
+}
+
+impl PackedFrame {
+    /// The local parameters of a hit's (u, v), which is in the knot domain.
+    pub fn parameters(&self, uv: DVec2) -> [Parameter; 2] {
+        [
+            Parameter::of(uv.x, self.domain[0], |x| self.uv([x, 0.0]).x),
+            Parameter::of(uv.y, self.domain[1], |x| self.uv([0.0, x]).y),
+        ]
+    }
+}
+
+/// An interval of one number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// The exact value for the packed face.
+    pub middle: f64,
+    /// What roundings may add or take.
+    pub half_width: f64,
+    /// What the narrowing of knots and control points may have moved the exact value by; infinite where knots lie
+    /// closer together than narrowing can move them.
+    pub packing: f64,
+}
+
+impl Interval {
+    /// |x − middle| as a share of the half-width: at most 1 inside, infinite for a NaN.
+    pub fn share(&self, x: f64) -> f64 {
+        let error = (x - self.middle).abs();
+        if error == 0.0 {
+            0.0
+        } else if error.is_nan() {
+            f64::INFINITY
+        } else {
+            error / self.half_width
+        }
+    }
+
+    /// The interval of −x.
+    fn negated(self) -> Self {
+        Self { middle: -self.middle, ..self }
+    }
+
+    /// The interval of x × factor, a power of two.
+    pub fn scaled(self, factor: f64) -> Self {
+        let size = factor.abs();
+        Self { middle: self.middle * factor, half_width: self.half_width * size, packing: self.packing * size }
+    }
+}
+
+/// What the program decides on a normal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regularity {
+    /// There is one.
+    Regular,
+    /// There is none.
+    Degenerate,
+    /// f32 may decide either way.
+    Either,
+}
+
+/// What the program may return on one pair of knot spans, in the face's local units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Enclosure {
+    /// Knot spans of the packed face.
+    pub span: [usize; 2],
+    /// S; `None` where f32 may overflow or the weight vanish.
+    pub position: Option<[Interval; 3]>,
+    /// Whether there is a normal.
+    pub regularity: Regularity,
+    /// The unit normal of the face, where there is one; `None` where it has no useful bound.
+    pub normal: Option<[Interval; 3]>,
+    /// k1 and k2 of the face, where there is a normal; `None` where not asked for or without a bound.
+    pub curvature: Option<[Interval; 2]>,
+}
+
+/// The enclosures at one place, one for each pair of knot spans that the parameters may lie on.
+#[derive(Debug, Clone, Copy)]
+pub struct Enclosures {
+    pairs: [Option<Enclosure>; 4],
+}
+
+impl Enclosures {
+    /// All of them, at least one.
+    pub fn iter(&self) -> impl Iterator<Item = &Enclosure> {
+        self.pairs.iter().flatten()
+    }
+
+    /// Whether f32, or parameters that are not known to the bit, leave a decision open.
+    pub fn is_ambiguous(&self) -> bool {
+        self.iter().count() > 1 || self.iter().any(|e| e.regularity == Regularity::Either)
+    }
+}
+
+/// Encloses what the fragment program of `scene` may return on a face at local parameters.
+pub fn enclose(scene: &PackedScene, face: u32, parameters: [Parameter; 2], curvature: bool) -> Enclosures {
+    let f = &scene.faces[face as usize];
+    let [ku, kv] = scene.knots(f);
+    let spans = |knots: &[f32], degree: u32, count: u32, last: u32, t: Parameter| {
+        [t.low, t.high].map(|t| eval::find_span(knots, degree as usize, count as usize, last as usize, t))
+    };
+    let us = spans(ku, f.degree_u, f.count_u, f.last_u, parameters[0]);
+    let vs = spans(kv, f.degree_v, f.count_v, f.last_v, parameters[1]);
+    let mut pairs = [None; 4];
+    for (at, (k, l)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+        if (k == 0 || us[1] != us[0]) && (l == 0 || vs[1] != vs[0]) {
+            let span = [us[k], vs[l]];
+            pairs[at] = Some(match f.degree_u.max(f.degree_v) {
+                0..=3 => on_span::<4>(scene, face, span, parameters, curvature),
+                4..=5 => on_span::<6>(scene, face, span, parameters, curvature),
+                _ => on_span::<MAX_ORDER>(scene, face, span, parameters, curvature),
+            });
+        }
+    }
+    Enclosures { pairs }
+}
+
+/// The enclosure on one pair of spans.
+fn on_span<const CAPACITY: usize>(
+    scene: &PackedScene,
+    face: u32,
+    span: [usize; 2],
+    parameters: [Parameter; 2],
+    second: bool,
+) -> Enclosure {
+    let f = &scene.faces[face as usize];
+    let unknown = Enclosure { span, position: None, regularity: Regularity::Either, normal: None, curvature: None };
+    let [ku, kv] = scene.knots(f);
+    let [narrowed_u, narrowed_v] = scene.frames[face as usize].domain.map(narrowed);
+    let Some(nu) = Basis::<CAPACITY>::new(ku, f.degree_u as usize, span[0], parameters[0], narrowed_u, second) else {
+        return unknown;
+    };
+    let Some(nv) = Basis::<CAPACITY>::new(kv, f.degree_v as usize, span[1], parameters[1], narrowed_v, second) else {
+        return unknown;
+    };
+    let rational = f.flags & RATIONAL != 0;
+    let (components, orders) = (if rational { 4 } else { 3 }, if second { 6 } else { 3 });
+    let sums = Sums::new(f, &scene.points, span, [&nu, &nv], components, orders);
+    let mut tape = Tape::new();
+    let mut leaves = [None; 6];
+    for order in 0..orders {
+        let (value, radius) = (sums.value[order], sums.radius[order]);
+        let [x, y, z, w] = std::array::from_fn(|c| tape.leaf(value[c], radius[c]));
+        leaves[order] = x.zip(y).zip(z.zip(w)).map(|((x, y), (z, w))| [x, y, z, w]);
+    }
+    let tail = Tail::new(&mut tape, &leaves, rational);
+    let run = Run { basis: [&nu, &nv], sums: &sums, tape: &tape, leaves: &leaves, second };
+    run.enclosure(f, &tail, unknown)
+}
+
+/// What f64 may have lost of a local parameter on the way to the knot domain and back.
+fn narrowed([start, end]: [f64; 2]) -> Narrowed {
+    Narrowed { parameter: 2.0 * f64::EPSILON * (1.0 + (start.abs() + end.abs()) / (end - start)) }
+}
+
+/// The program run forward at one place, ready to be read backwards.
+struct Run<'r, const CAPACITY: usize> {
+    basis: [&'r Basis<CAPACITY>; 2],
+    sums: &'r Sums<CAPACITY>,
+    tape: &'r Tape,
+    leaves: &'r [Option<[Number; 4]>; 6],
+    second: bool,
+}
+
+impl<const CAPACITY: usize> Run<'_, CAPACITY> {
+    /// Bounds of the errors of up to eight values on the tape.
+    fn bounds(&self, results: [Option<Number>; OUTPUTS]) -> [Error; OUTPUTS] {
+        let mut budget = Budget::ZERO;
+        let adjoints = self.tape.sweep(&results, &mut budget);
+        let of_sums: [[Adjoint; 4]; ORDERS.len()] = std::array::from_fn(|order| match &self.leaves[order] {
+            Some(leaves) => leaves.map(|leaf| adjoints[leaf.index]),
+            None => [Adjoint::ZERO; 4],
+        });
+        let of_basis = self.sums.sweep(&of_sums, &mut budget);
+        for (basis, adjoint) in self.basis.iter().zip(&of_basis) {
+            basis.sweep(adjoint, self.second, &mut budget);
+        }
+        let has_packing_bound = self.basis.iter().all(|basis| basis.has_packing_bound);
+        std::array::from_fn(|k| {
+            let coarse = results[k].map_or(0.0, |number| number.radius) / (1u64 << 30) as f64;
+            let bound = budget.of(k) * (1.0 + 1.0 / (1 << 20) as f64);
+            Error {
+                rounding: bound.rounding + coarse,
+                packing: if has_packing_bound { bound.packing + coarse } else { f64::INFINITY },
+            }
+        })
+    }
+
+    fn enclosure(&self, f: &FaceRecord, tail: &Tail, unknown: Enclosure) -> Enclosure {
+        let Tail { position, regularity, normal, curvature } = tail;
+        let Some(position) = *position else { return unknown };
+        let mut results = [None; OUTPUTS];
+        let some = |x: [Number; 3]| x.map(Some);
+        results[..3].copy_from_slice(&some(position));
+        if let Some(normal) = *normal {
+            results[3..6].copy_from_slice(&some(normal));
+        }
+        if let Some(Curvature::Apart([k1, k2])) = *curvature {
+            results[6..].copy_from_slice(&[Some(k1), Some(k2)]);
+        }
+        let bounds = self.bounds(results);
+        let interval = |k: usize| results[k].map(|number| interval(number.value, bounds[k]));
+        let mut normal = all([interval(3), interval(4), interval(5)]);
+        let mut curvature = match curvature {
+            Some(Curvature::Umbilic(parts)) => Some(self.umbilic(*parts)),
+            _ => all([interval(6), interval(7)]),
+        };
+        normal = normal.filter(|n| n.iter().all(|x| x.half_width < USELESS));
+        curvature = curvature.filter(|k| normal.is_some() && k.iter().all(|x| x.half_width.is_finite()));
+        if f.flags & REVERSED != 0 {
+            normal = normal.map(|n| n.map(Interval::negated));
+            curvature = curvature.map(|[k1, k2]| [k2.negated(), k1.negated()]);
+        }
+        let position = all([interval(0), interval(1), interval(2)]);
+        Enclosure { position, regularity: *regularity, normal, curvature, ..unknown }
+    }
+
+    /// k1 and k2 near an umbilic: a distance changes by no more than its ends move.
+    fn umbilic(&self, parts: [Number; 3]) -> [Interval; 2] {
+        let mut results = [None; OUTPUTS];
+        results[..3].copy_from_slice(&parts.map(Some));
+        let bounds = self.bounds(results);
+        let [mean, x, b] = parts;
+        let half = x.value.hypot(b.value);
+        let moved = Error {
+            rounding: bounds[1].rounding.hypot(bounds[2].rounding),
+            packing: bounds[1].packing.hypot(bounds[2].packing),
+        };
+        let own = tape::hypotenuse_rounding(half + moved.total());
+        [mean.value + half, mean.value - half].map(|k| {
+            let addition = NEIGHBOUR * (k.abs() + bounds[0].total() + moved.total() + own) + FLUSH;
+            interval(k, bounds[0] + moved + Error::rounding(own + addition))
+        })
+    }
+}
+
+fn interval(middle: f64, error: Error) -> Interval {
+    Interval { middle, half_width: error.rounding, packing: error.packing }
+}
+
+fn all<const N: usize>(parts: [Option<Interval>; N]) -> Option<[Interval; N]> {
+    let mut whole = [Interval { middle: 0.0, half_width: 0.0, packing: 0.0 }; N];
+    for (to, from) in whole.iter_mut().zip(parts) {
+        *to = from?;
+    }
+    Some(whole)
+}
