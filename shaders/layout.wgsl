@@ -30,7 +30,7 @@ struct PieceRecord {
     face: u32,
     span_u: u32,
     span_v: u32,
-    padding: u32,
+    patience: u32,
 }
 
 @group(0) @binding(0) var<storage, read> faces: array<FaceRecord>;

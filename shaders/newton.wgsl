@@ -36,6 +36,7 @@ struct Place {
     along_u: vec2<f32>,
     along_v: vec2<f32>,
     side_squared: f32,
+    recedes: vec2<f32>,
     depth: vec3<f32>,
 }
 
@@ -145,6 +146,7 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> Outcome {
     var uv = seed;
     var best: Place;
     var step = vec2<f32>();
+    var patience = piece.patience;
     for (var k = 0u; k < EVALUATIONS; k++) {
         let next = place(piece, s, uv);
         let improved = k == 0u || next.squared < best.squared;
@@ -156,8 +158,11 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> Outcome {
         }
         let longest = max(abs(step.x), abs(step.y));
         let bend = longest * longest;
-        let is_last = bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX;
-        if (is_last && left_squared(best, step) <= FINE_PX * FINE_PX) {
+        let recedes = dot(best.recedes, step);
+        let is_last = bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
+            && recedes * recedes * best.squared <= FINE_PX * FINE_PX
+            && left_squared(best, step) <= FINE_PX * FINE_PX;
+        if (is_last) {
             return arrived(piece, best, step);
         }
         if (best.squared <= FINE_PX * FINE_PX) {
@@ -165,7 +170,10 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> Outcome {
         }
         uv = min(max(best.uv + step * size, low), high);
         if (improved && !promises(best, (uv - best.uv) / size)) {
-            return Outcome(MISS, uv, 0.0);
+            if (patience == 0u) {
+                return Outcome(MISS, uv, 0.0);
+            }
+            patience -= 1u;
         }
     }
     return Outcome(UNCONVERGED, uv, 0.0);
@@ -217,15 +225,18 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     let along_v = along(s, value, d.sv) * (size.y / w);
     out.along_u = along_u.xy;
     out.along_v = along_v.xy;
+    out.recedes = vec2<f32>(along_u.w, along_v.w);
     out.depth.y = along_u.z;
     out.depth.z = along_v.z;
     return out;
 }
 
 // The derivative of a quotient, times w: what is left of the planes' own slopes is that of w, seen at the offset.
-fn along(s: Sight, value: vec3<f32>, derivative: vec3<f32>) -> vec3<f32> {
+// Last, the slope of w itself.
+fn along(s: Sight, value: vec3<f32>, derivative: vec3<f32>) -> vec4<f32> {
     let slopes = vec3<f32>(dot(s.x.xyz, derivative), dot(s.y.xyz, derivative), dot(s.z.xyz, derivative));
-    return slopes - value * dot(s.w.xyz, derivative);
+    let slope = dot(s.w.xyz, derivative);
+    return vec4<f32>(slopes - value * slope, slope);
 }
 
 fn newton_step(at: Place) -> vec2<f32> {

@@ -66,8 +66,9 @@ pub struct PieceRecord {
     pub span_u: u32,
     /// Its knot span in v.
     pub span_v: u32,
-    /// To 16 bytes.
-    pub padding: u32,
+    /// How many steps that promise little a search on it takes before it gives up: 0, but where the piece is far from
+    /// flat in its parameters.
+    pub patience: u32,
 }
 
 /// A corner of a proxy triangle. 36 bytes.

@@ -11,9 +11,10 @@
 //!   step of Levenberg and Marquardt. No step is longer than the piece, none leaves it by more than [`BEYOND`] of it. A
 //!   step that brings the offset no nearer to zero is halved.
 //! * **End.** Where the step is so short that it is as good as exact: it is taken and not evaluated, for what it leaves
-//!   is quadratic in it and bounded by how far a piece turns ([`LAST_BEND_PX`]). Or where the tangent plane, followed as far as
+//!   is quadratic in it and bounded by how far a piece turns ([`LAST_BEND_PX`]) and recedes. Or where the tangent plane, followed as far as
 //!   the step may go, brings the offset not even to half ([`PROMISE`]): it has a minimum there that is no zero, or the
-//!   ray passes the piece. Or after [`EVALUATIONS`].
+//!   ray passes the piece; a piece that a collapsed edge twists is shown some [patience](PieceRecord::patience). Or after
+//!   [`EVALUATIONS`].
 //! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] of its border, between the near
 //!   and the far plane. A miss where it lies beyond, or where no step promised enough. Anything else has not converged,
 //!   and says so.
@@ -108,6 +109,8 @@ struct Place {
     along_v: [f32; 2],
     /// The square of the piece's longer side in pixels, were it seen at a right angle.
     side_squared: f32,
+    /// Derivatives of the logarithm of w by u and v times the piece's extents.
+    recedes: [f32; 2],
     /// z / w, and its derivatives by u and v times the piece's extents.
     depth: [f32; 3],
 }
@@ -216,6 +219,7 @@ fn search<const CAPACITY: usize>(
     let mut uv = seed;
     let mut best = place::<CAPACITY>(scene, piece, sight, degree, uv);
     let mut step = newton_step(&best);
+    let mut patience = piece.patience;
     for k in 0..EVALUATIONS {
         let mut improved = true;
         if k > 0 {
@@ -230,8 +234,11 @@ fn search<const CAPACITY: usize>(
         }
         let longest = step[0].abs().max(step[1].abs());
         let bend = longest * longest;
-        let is_last = bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX;
-        if is_last && left_squared(&best, step) <= FINE_PX * FINE_PX {
+        let recedes = best.recedes[0] * step[0] + best.recedes[1] * step[1];
+        let is_last = bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
+            && recedes * recedes * best.squared <= FINE_PX * FINE_PX
+            && left_squared(&best, step) <= FINE_PX * FINE_PX;
+        if is_last {
             return arrived(piece, &best, step);
         }
         if best.squared <= FINE_PX * FINE_PX {
@@ -239,7 +246,10 @@ fn search<const CAPACITY: usize>(
         }
         uv = [0, 1].map(|k| (best.uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
         if improved && !promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k])) {
-            return Outcome::Miss;
+            if patience == 0 {
+                return Outcome::Miss;
+            }
+            patience -= 1;
         }
     }
     Outcome::Unconverged
@@ -304,7 +314,7 @@ fn place<const CAPACITY: usize>(
         let of = |p: &[f32; 4]| dot([p[0], p[1], p[2]], derivative);
         let (slope, share) = (of(&sight.w), extent / w);
         let quotient = |p: &[f32; 4], value: f32| (of(p) - value * slope) * share;
-        [quotient(&sight.x, offset[0]), quotient(&sight.y, offset[1]), quotient(&sight.z, depth)]
+        [quotient(&sight.x, offset[0]), quotient(&sight.y, offset[1]), quotient(&sight.z, depth), slope * share]
     };
     let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
     Place {
@@ -315,6 +325,7 @@ fn place<const CAPACITY: usize>(
         along_v: [along_v[0], along_v[1]],
         side_squared: (dot(su, su) * extent[0] * extent[0]).max(dot(sv, sv) * extent[1] * extent[1])
             * (dot([sight.x[0], sight.x[1], sight.x[2]], [sight.x[0], sight.x[1], sight.x[2]]) / (w * w)),
+        recedes: [along_u[3], along_v[3]],
         depth: [depth, along_u[2], along_v[2]],
     }
 }

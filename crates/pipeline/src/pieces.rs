@@ -19,6 +19,9 @@ const TURN: f64 = 0.5;
 /// Halvings of a patch in each direction at most. A cusp never gets flat.
 const GREATEST_LEVEL: u32 = 4;
 
+/// Patience with a piece whose derivatives change by more than [`TURN`] of their least length: at a collapsed edge.
+const PATIENCE: u32 = 4;
+
 /// Growth of a hull, pixels: corners snap to 1/256 pixel, and a proxy is drawn again while its model turns.
 const GROW_PX: f64 = 1.0 / 16.0;
 
@@ -91,7 +94,7 @@ pub(crate) fn pieces_of(
                 face: face as u32,
                 span_u: spans(ku, record.degree_u, record.count_u, record.last_u, [u0, u1]),
                 span_v: spans(kv, record.degree_v, record.count_v, record.last_v, [v0, v1]),
-                padding: 0,
+                patience: if is_twisted(&patch) { PATIENCE } else { 0 },
             },
             corners: hull.corners(),
         });
@@ -120,6 +123,25 @@ fn nearly_flat(patch: &BezierPatch) -> Vec<BezierPatch> {
         rest.extend(halves.into_iter().rev().map(|half| (half, next)));
     }
     flat
+}
+
+/// Whether a derivative changes along the other parameter by more than [`TURN`] of its own least length.
+fn is_twisted(patch: &BezierPatch) -> bool {
+    let [p, q] = patch.degree;
+    let at = |i: usize, j: usize| {
+        let c = patch.control[i * (q + 1) + j];
+        c.truncate() / c.w
+    };
+    let across = |i: usize, j: usize| at(i + 1, j) - at(i, j);
+    let along = |i: usize, j: usize| at(i, j + 1) - at(i, j);
+    let rows = |i: usize| (0..=q).map(move |j| across(i, j));
+    let columns = |j: usize| (0..=p).map(move |i| along(i, j));
+    let changes = |differences: Vec<DVec3>| {
+        let least = differences.iter().fold(f64::INFINITY, |m: f64, d| m.min(d.length()));
+        let (first, last) = (differences[0], differences[differences.len() - 1]);
+        first.distance(last) > TURN * least
+    };
+    (0..p).any(|i| changes(rows(i).collect())) || (0..q).any(|j| changes(columns(j).collect()))
 }
 
 /// How far the control polygons turn along u and v, about, in radians; twist counts for both.

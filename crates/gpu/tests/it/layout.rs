@@ -85,7 +85,7 @@ fn records_have_the_same_members_at_the_same_offsets() {
         padding
     );
     same_layout!(&module, View, clip_from_local, eye, units);
-    same_layout!(&module, PieceRecord, hull_from_local, flat, rectangle, face, span_u, span_v, padding);
+    same_layout!(&module, PieceRecord, hull_from_local, flat, rectangle, face, span_u, span_v, patience);
     same_layout!(
         &module,
         ShadeUniform,
