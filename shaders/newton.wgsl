@@ -8,8 +8,11 @@ const PROMISE: f32 = 3.0 / 4.0;
 const BEYOND: f32 = 1.0 / 8.0;
 const INSIDE: f32 = 1.0 / 16.0;
 const ONE_SEED: f32 = 1.0 / 4.0;
-const NEARLY_SINGULAR: f32 = 1.0 / 1024.0;
-const DAMPING: f32 = 1.0 / 4096.0;
+const HALVINGS: u32 = 4u;
+const EDGE_ON: f32 = 1.0 / 32.0;
+const PATIENCE: u32 = 4u;
+const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
+const DAMPING: f32 = 1.0 / 1048576.0;
 const GREATEST: f32 = 3.40282346e38;
 
 const HIT: u32 = 0u;
@@ -40,6 +43,11 @@ struct Place {
     depth: vec3<f32>,
 }
 
+struct End {
+    outcome: Outcome,
+    at: Place,
+}
+
 struct Seeds {
     first: vec2<f32>,
     last: vec2<f32>,
@@ -62,22 +70,40 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
     if (!found.any) {
         return Outcome(MISS, vec2<f32>(), 0.0);
     }
-    var seed = found.first;
-    var count = 2u;
-    if (all(abs(found.first - found.last) <= ONE_SEED * extent(piece))) {
-        seed = 0.5 * (found.first + found.last);
-        count = 1u;
-    }
+    let together = all(abs(found.first - found.last) <= ONE_SEED * extent(piece));
+    let given = select(2u, 1u, together);
+    var seeds: array<vec2<f32>, 4>;
+    seeds[0] = select(found.first, 0.5 * (found.first + found.last), together);
+    seeds[1] = found.last;
+    var count = given;
     var best = Outcome(MISS, vec2<f32>(), 0.0);
     for (var k = 0u; k < count; k++) {
-        let next = search(piece, s, seed);
+        let end = search(piece, s, seeds[k]);
+        let next = end.outcome;
         let nearer = next.status == HIT && (best.status != HIT || next.depth > best.depth);
         if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
             best = next;
         }
-        seed = found.last;
+        if (k < given && is_edge_on(end.at)) {
+            let away = across_fold(end.at) * extent(piece);
+            seeds[given] = inside(piece, end.at.uv + away);
+            seeds[given + 1u] = inside(piece, end.at.uv - away);
+            count = given + 2u;
+        }
     }
     return best;
+}
+
+fn across_fold(at: Place) -> vec2<f32> {
+    let aa = dot(at.along_u, at.along_u);
+    let bb = dot(at.along_v, at.along_v);
+    let ab = dot(at.along_u, at.along_v);
+    let direction = select(vec2<f32>(bb, -ab), vec2<f32>(-ab, aa), aa > bb);
+    let longest = max(abs(direction.x), abs(direction.y));
+    if (longest > 0.0) {
+        return direction / longest;
+    }
+    return vec2<f32>();
 }
 
 fn seeds(piece: PieceRecord, s: Sight) -> Seeds {
@@ -131,30 +157,39 @@ fn parameters(piece: PieceRecord, start: vec3<f32>, direction: vec3<f32>, along:
         dot(rows[0].xyz, start) + along * dot(rows[0].xyz, direction),
         dot(rows[1].xyz, start) + along * dot(rows[1].xyz, direction),
     );
+    return inside(piece, piece.flat.xy + piece.flat.zw * h);
+}
+
+fn inside(piece: PieceRecord, uv: vec2<f32>) -> vec2<f32> {
     let margin = INSIDE * extent(piece);
-    return min(max(piece.flat.xy + piece.flat.zw * h, piece.rectangle.xy + margin), piece.rectangle.zw - margin);
+    return min(max(uv, piece.rectangle.xy + margin), piece.rectangle.zw - margin);
 }
 
 fn extent(piece: PieceRecord) -> vec2<f32> {
     return piece.rectangle.zw - piece.rectangle.xy;
 }
 
-fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> Outcome {
+fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> End {
     let size = extent(piece);
     let low = piece.rectangle.xy - BEYOND * size;
     let high = piece.rectangle.zw + BEYOND * size;
     var uv = seed;
     var best: Place;
     var step = vec2<f32>();
-    var patience = piece.patience;
+    var doubts = 0u;
+    var halvings = 0u;
     for (var k = 0u; k < EVALUATIONS; k++) {
         let next = place(piece, s, uv);
         let improved = k == 0u || next.squared < best.squared;
         if (improved) {
             best = next;
-            step = newton_step(best);
+            step = slid(best, newton_step(best), low, high);
+            halvings = 0u;
+        } else if (halvings == HALVINGS) {
+            return End(Outcome(MISS, uv, 0.0), best);
         } else {
             step = step * 0.5;
+            halvings += 1u;
         }
         let longest = max(abs(step.x), abs(step.y));
         let bend = longest * longest;
@@ -163,20 +198,21 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> Outcome {
             && recedes * recedes * best.squared <= FINE_PX * FINE_PX
             && left_squared(best, step) <= FINE_PX * FINE_PX;
         if (is_last) {
-            return arrived(piece, best, step);
+            return End(arrived(piece, best, step), best);
         }
         if (best.squared <= FINE_PX * FINE_PX) {
-            return arrived(piece, best, vec2<f32>());
+            return End(arrived(piece, best, vec2<f32>()), best);
         }
         uv = min(max(best.uv + step * size, low), high);
         if (improved && !promises(best, (uv - best.uv) / size)) {
-            if (patience == 0u) {
-                return Outcome(MISS, uv, 0.0);
+            let patience = select(piece.patience, max(piece.patience, PATIENCE), is_edge_on(best));
+            if (doubts >= patience || all(uv == best.uv)) {
+                return End(Outcome(MISS, uv, 0.0), best);
             }
-            patience -= 1u;
+            doubts += 1u;
         }
     }
-    return Outcome(UNCONVERGED, uv, 0.0);
+    return End(Outcome(UNCONVERGED, uv, 0.0), best);
 }
 
 fn arrived(piece: PieceRecord, at: Place, step: vec2<f32>) -> Outcome {
@@ -237,6 +273,34 @@ fn along(s: Sight, value: vec3<f32>, derivative: vec3<f32>) -> vec4<f32> {
     let slopes = vec3<f32>(dot(s.x.xyz, derivative), dot(s.y.xyz, derivative), dot(s.z.xyz, derivative));
     let slope = dot(s.w.xyz, derivative);
     return vec4<f32>(slopes - value * slope, slope);
+}
+
+fn slid(at: Place, step: vec2<f32>, low: vec2<f32>, high: vec2<f32>) -> vec2<f32> {
+    let leaves = ((at.uv <= low) & (step < vec2<f32>())) | ((at.uv >= high) & (step > vec2<f32>()));
+    if (leaves.x && leaves.y) {
+        return vec2<f32>();
+    }
+    if (leaves.x) {
+        return vec2<f32>(0.0, least_along(at.along_v, at.offset));
+    }
+    if (leaves.y) {
+        return vec2<f32>(least_along(at.along_u, at.offset), 0.0);
+    }
+    return step;
+}
+
+fn least_along(along: vec2<f32>, offset: vec2<f32>) -> f32 {
+    let squared = dot(along, along);
+    if (squared == 0.0) {
+        return 0.0;
+    }
+    return min(max(-dot(along, offset) / squared, -1.0), 1.0);
+}
+
+fn is_edge_on(at: Place) -> bool {
+    let a = at.along_u;
+    let b = at.along_v;
+    return abs(a.x * b.y - a.y * b.x) < EDGE_ON * (dot(a, a) + dot(b, b));
 }
 
 fn newton_step(at: Place) -> vec2<f32> {

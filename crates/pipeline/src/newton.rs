@@ -6,14 +6,17 @@
 //!
 //! * **Seeds.** The ray enters and leaves the piece's hull; at both places the piece, taken as flat, says (u, v). Where
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
-//!   meets it twice (a fold) runs along its hull, and meets it once from either end.
+//!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
+//!   that is seen edge-on, two more begin far from it on either side of the fold.
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
-//!   step of Levenberg and Marquardt. No step is longer than the piece, none leaves it by more than [`BEYOND`] of it. A
-//!   step that brings the offset no nearer to zero is halved.
+//!   step of Levenberg and Marquardt. No step is longer than the piece, none leaves it by more than [`BEYOND`] of it: at
+//!   that border the search slides along. A
+//!   step that brings the offset no nearer to zero is halved, up to [`HALVINGS`] times.
 //! * **End.** Where the step is so short that it is as good as exact: it is taken and not evaluated, for what it leaves
 //!   is quadratic in it and bounded by how far a piece turns ([`LAST_BEND_PX`]) and recedes. Or where the tangent plane, followed as far as
 //!   the step may go, brings the offset not even to half ([`PROMISE`]): it has a minimum there that is no zero, or the
-//!   ray passes the piece; a piece that a collapsed edge twists is shown some [patience](PieceRecord::patience). Or after
+//!   ray passes the piece; where the piece is seen edge-on, or a collapsed edge twists it, the search has some
+//!   [patience](PieceRecord::patience). Or after
 //!   [`EVALUATIONS`].
 //! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] of its border, between the near
 //!   and the far plane. A miss where it lies beyond, or where no step promised enough. Anything else has not converged,
@@ -51,11 +54,21 @@ pub const INSIDE: f32 = 1.0 / 16.0;
 /// Seeds nearer to each other than this share of the piece are one.
 pub const ONE_SEED: f32 = 1.0 / 4.0;
 
+/// Halvings of one step: where none of them comes nearer, the offset has a minimum.
+pub const HALVINGS: u32 = 4;
+
+/// Below this determinant, as a share of the squared columns, a piece counts as seen edge-on.
+pub const EDGE_ON: f32 = 1.0 / 32.0;
+
+/// Steps that promise little which a search takes where the piece is seen edge-on, or on a piece whose derivatives
+/// change by more than they measure where they are least, as at a collapsed edge.
+pub const PATIENCE: u32 = 4;
+
 /// Below this determinant, as a share of the squared columns, the columns count as nearly parallel.
-pub const NEARLY_SINGULAR: f32 = 1.0 / 1024.0;
+pub const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
 
 /// Weight of the damping then, as a share of the squared columns.
-pub const DAMPING: f32 = 1.0 / 4096.0;
+pub const DAMPING: f32 = 1.0 / 1048576.0;
 
 /// What a piece is to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,6 +128,12 @@ struct Place {
     depth: [f32; 3],
 }
 
+/// Where a search ended.
+struct End {
+    outcome: Outcome,
+    at: Place,
+}
+
 /// The nearest point of a piece on a pixel's ray.
 pub fn solve(scene: &PackedScene, piece: &PieceRecord, sight: &Sight) -> Outcome {
     let Some(seeds) = seeds(piece, sight) else { return Outcome::Miss };
@@ -169,11 +188,7 @@ fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<[[f32; 2]; 2]> {
             dot(row, from) + along * dot(row, direction)
         });
         let [u, v] = [0, 1].map(|k| piece.flat[k] + piece.flat[2 + k] * h[k]);
-        let inside = |k: usize, t: f32| {
-            let margin = INSIDE * extent(piece)[k];
-            t.max(piece.rectangle[k] + margin).min(piece.rectangle[2 + k] - margin)
-        };
-        [inside(0, u), inside(1, v)]
+        [inside(piece, 0, u), inside(piece, 1, v)]
     };
     Some([parameters(near), parameters(far)])
 }
@@ -188,17 +203,44 @@ fn search_all<const CAPACITY: usize>(
 ) -> Outcome {
     let together = |k: usize| (first[k] - last[k]).abs() <= ONE_SEED * extent(piece)[k];
     let middle = [0, 1].map(|k| 0.5 * (first[k] + last[k]));
-    let seeds: &[[f32; 2]] = if together(0) && together(1) { &[middle] } else { &[first, last] };
+    let given = if together(0) && together(1) { 1 } else { 2 };
+    let mut seeds = [if given == 1 { middle } else { first }, last, last, last];
+    let mut count = given;
     let mut best = Outcome::Miss;
-    for &seed in seeds {
-        let next = search::<CAPACITY>(scene, piece, sight, degree, seed);
-        best = match (best, next) {
+    let mut k = 0;
+    while k < count {
+        let end = search::<CAPACITY>(scene, piece, sight, degree, seeds[k]);
+        best = match (best, end.outcome) {
             (Outcome::Hit { depth: old, .. }, Outcome::Hit { depth: new, .. }) if new <= old => best,
-            (_, Outcome::Hit { .. }) | (Outcome::Miss, Outcome::Unconverged) => next,
+            (_, Outcome::Hit { .. }) | (Outcome::Miss, Outcome::Unconverged) => end.outcome,
             _ => best,
         };
+        if k < given && is_edge_on(&end.at) {
+            let fold = across_fold(&end.at);
+            let away = |sign: f32| [0, 1].map(|k| inside(piece, k, end.at.uv[k] + sign * fold[k] * extent(piece)[k]));
+            (seeds[given], seeds[given + 1]) = (away(1.0), away(-1.0));
+            count = given + 2;
+        }
+        k += 1;
     }
     best
+}
+
+/// The direction in which the offset changes least, as shares of the piece, one piece long: it leads across a fold.
+fn across_fold(at: &Place) -> [f32; 2] {
+    let Place { along_u: a, along_v: b, .. } = *at;
+    let (aa, bb) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
+    let ab = a[0] * b[0] + a[1] * b[1];
+    let direction = if aa > bb { [-ab, aa] } else { [bb, -ab] };
+    let longest = direction[0].abs().max(direction[1].abs());
+    if longest > 0.0 { [direction[0] / longest, direction[1] / longest] } else { [0.0; 2] }
+}
+
+/// A parameter moved into the part of the piece where seeds may stand.
+#[inline(always)]
+fn inside(piece: &PieceRecord, k: usize, t: f32) -> f32 {
+    let margin = INSIDE * extent(piece)[k];
+    t.max(piece.rectangle[k] + margin).min(piece.rectangle[2 + k] - margin)
 }
 
 fn extent(piece: &PieceRecord) -> [f32; 2] {
@@ -212,14 +254,14 @@ fn search<const CAPACITY: usize>(
     sight: &Sight,
     degree: [usize; 2],
     seed: [f32; 2],
-) -> Outcome {
+) -> End {
     let extent = extent(piece);
     let low = [0, 1].map(|k| piece.rectangle[k] - BEYOND * extent[k]);
     let high = [0, 1].map(|k| piece.rectangle[2 + k] + BEYOND * extent[k]);
     let mut uv = seed;
     let mut best = place::<CAPACITY>(scene, piece, sight, degree, uv);
-    let mut step = newton_step(&best);
-    let mut patience = piece.patience;
+    let mut step = slid(&best, newton_step(&best), low, high);
+    let (mut doubts, mut halvings) = (0, 0);
     for k in 0..EVALUATIONS {
         let mut improved = true;
         if k > 0 {
@@ -227,9 +269,13 @@ fn search<const CAPACITY: usize>(
             improved = next.squared < best.squared;
             if improved {
                 best = next;
-                step = newton_step(&best);
+                step = slid(&best, newton_step(&best), low, high);
+                halvings = 0;
+            } else if halvings == HALVINGS {
+                return End { outcome: Outcome::Miss, at: best };
             } else {
                 step = step.map(|x| x * 0.5);
+                halvings += 1;
             }
         }
         let longest = step[0].abs().max(step[1].abs());
@@ -239,20 +285,21 @@ fn search<const CAPACITY: usize>(
             && recedes * recedes * best.squared <= FINE_PX * FINE_PX
             && left_squared(&best, step) <= FINE_PX * FINE_PX;
         if is_last {
-            return arrived(piece, &best, step);
+            return End { outcome: arrived(piece, &best, step), at: best };
         }
         if best.squared <= FINE_PX * FINE_PX {
-            return arrived(piece, &best, [0.0; 2]);
+            return End { outcome: arrived(piece, &best, [0.0; 2]), at: best };
         }
         uv = [0, 1].map(|k| (best.uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
         if improved && !promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k])) {
-            if patience == 0 {
-                return Outcome::Miss;
+            let patience = if is_edge_on(&best) { piece.patience.max(PATIENCE) } else { piece.patience };
+            if doubts >= patience || uv == best.uv {
+                return End { outcome: Outcome::Miss, at: best };
             }
-            patience -= 1;
+            doubts += 1;
         }
     }
-    Outcome::Unconverged
+    End { outcome: Outcome::Unconverged, at: best }
 }
 
 /// What it means to end at a place and a step from there.
@@ -328,6 +375,30 @@ fn place<const CAPACITY: usize>(
         recedes: [along_u[3], along_v[3]],
         depth: [depth, along_u[2], along_v[2]],
     }
+}
+
+/// A step that would leave the part that may be searched: along the border instead, to where the offset is least.
+#[inline]
+fn slid(at: &Place, step: [f32; 2], low: [f32; 2], high: [f32; 2]) -> [f32; 2] {
+    let leaves = |k: usize| (at.uv[k] <= low[k] && step[k] < 0.0) || (at.uv[k] >= high[k] && step[k] > 0.0);
+    let along = |a: [f32; 2]| {
+        let squared = a[0] * a[0] + a[1] * a[1];
+        if squared == 0.0 { 0.0 } else { (-(a[0] * at.offset[0] + a[1] * at.offset[1]) / squared).max(-1.0).min(1.0) }
+    };
+    match [leaves(0), leaves(1)] {
+        [true, true] => [0.0, 0.0],
+        [true, false] => [0.0, along(at.along_v)],
+        [false, true] => [along(at.along_u), 0.0],
+        [false, false] => step,
+    }
+}
+
+/// Whether the piece is seen nearly edge-on there: what the tangent plane says does not reach far.
+#[inline(always)]
+fn is_edge_on(at: &Place) -> bool {
+    let Place { along_u: a, along_v: b, .. } = *at;
+    let det = a[0] * b[1] - a[1] * b[0];
+    det.abs() < EDGE_ON * (a[0] * a[0] + a[1] * a[1] + b[0] * b[0] + b[1] * b[1])
 }
 
 /// The step toward zero offset, as shares of the piece, at most one piece long.

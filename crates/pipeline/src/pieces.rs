@@ -6,6 +6,7 @@
 
 use crate::eval::find_span;
 use crate::layout::PieceRecord;
+use crate::newton::PATIENCE;
 use crate::pack::PackedScene;
 use glam::DVec3;
 use nurbs::{BezierPatch, Hull};
@@ -18,9 +19,6 @@ const TURN: f64 = 0.5;
 
 /// Halvings of a patch in each direction at most. A cusp never gets flat.
 const GREATEST_LEVEL: u32 = 4;
-
-/// Patience with a piece whose derivatives change by more than [`TURN`] of their least length: at a collapsed edge.
-const PATIENCE: u32 = 4;
 
 /// Growth of a hull, pixels: corners snap to 1/256 pixel, and a proxy is drawn again while its model turns.
 const GROW_PX: f64 = 1.0 / 16.0;

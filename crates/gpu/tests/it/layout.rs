@@ -113,6 +113,8 @@ fn constants_have_the_same_values() {
     let exact = variants().into_iter().find(|v| v.technique == Technique::Exact).unwrap();
     let exact = parsed(&wgsl::source(exact)).unwrap();
     assert_eq!(constant(&exact, "EVALUATIONS"), Literal::U32(newton::EVALUATIONS));
+    assert_eq!(constant(&exact, "HALVINGS"), Literal::U32(newton::HALVINGS));
+    assert_eq!(constant(&exact, "PATIENCE"), Literal::U32(newton::PATIENCE));
     for (name, value) in [
         ("FINE_PX", newton::FINE_PX),
         ("NEAR_PX", newton::NEAR_PX),
@@ -120,6 +122,7 @@ fn constants_have_the_same_values() {
         ("PROMISE", newton::PROMISE),
         ("INSIDE", newton::INSIDE),
         ("BEYOND", newton::BEYOND),
+        ("EDGE_ON", newton::EDGE_ON),
         ("ONE_SEED", newton::ONE_SEED),
         ("NEARLY_SINGULAR", newton::NEARLY_SINGULAR),
         ("DAMPING", newton::DAMPING),
