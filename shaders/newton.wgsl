@@ -1,6 +1,6 @@
 // Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of crates/pipeline/src/newton.rs.
 
-const EVALUATIONS: u32 = 16u;
+const EVALUATIONS: u32 = 32u;
 const LAST_BEND_PX: f32 = 1.0 / 128.0;
 const FINE_PX: f32 = 1.0 / 1024.0;
 const NEAR_PX: f32 = 1.0 / 256.0;
@@ -9,7 +9,9 @@ const BEYOND: f32 = 1.0 / 8.0;
 const INSIDE: f32 = 1.0 / 16.0;
 const ONE_SEED: f32 = 1.0 / 4.0;
 const HALVINGS: u32 = 4u;
-const EDGE_ON: f32 = 1.0 / 32.0;
+const SLOW: f32 = 1.0 / 2.0;
+const STEP_EDGE_ON: f32 = 1.0 / 2.0;
+const EDGE_ON: f32 = 3.0 / 8.0;
 const PATIENCE: u32 = 4u;
 const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
 const DAMPING: f32 = 1.0 / 1048576.0;
@@ -39,6 +41,7 @@ struct Place {
     along_u: vec2<f32>,
     along_v: vec2<f32>,
     side_squared: f32,
+    sides_squared: f32,
     recedes: vec2<f32>,
     depth: vec3<f32>,
 }
@@ -181,6 +184,7 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> End {
     for (var k = 0u; k < EVALUATIONS; k++) {
         let next = place(piece, s, uv);
         let improved = k == 0u || next.squared < best.squared;
+        let slow = k > 0u && next.squared > (1.0 - SLOW) * best.squared;
         if (improved) {
             best = next;
             step = slid(best, newton_step(best), low, high);
@@ -204,8 +208,9 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> End {
             return End(arrived(piece, best, vec2<f32>()), best);
         }
         uv = min(max(best.uv + step * size, low), high);
-        if (improved && !promises(best, (uv - best.uv) / size)) {
-            let patience = select(piece.patience, max(piece.patience, PATIENCE), is_edge_on(best));
+        let promising = promises(best, (uv - best.uv) / size);
+        if (improved && (slow || !promising)) {
+            let patience = select(piece.patience, PATIENCE, promising || is_edge_on(best));
             if (doubts >= patience || all(uv == best.uv)) {
                 return End(Outcome(MISS, uv, 0.0), best);
             }
@@ -253,8 +258,11 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     out.uv = uv;
     out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / w;
     out.squared = select(GREATEST, dot(out.offset, out.offset), w > 0.0);
-    let longer = max(dot(d.su, d.su) * size.x * size.x, dot(d.sv, d.sv) * size.y * size.y);
-    out.side_squared = longer * (dot(s.x.xyz, s.x.xyz) / (w * w));
+    let squared_pixels = dot(s.x.xyz, s.x.xyz) / (w * w);
+    let side_u = dot(d.su, d.su) * (size.x * size.x) * squared_pixels;
+    let side_v = dot(d.sv, d.sv) * (size.y * size.y) * squared_pixels;
+    out.side_squared = max(side_u, side_v);
+    out.sides_squared = side_u * side_v;
     out.depth.x = plane(s.z, d.s) / w;
     let value = vec3<f32>(out.offset, out.depth.x);
     let along_u = along(s, value, d.su) * (size.x / w);
@@ -298,9 +306,8 @@ fn least_along(along: vec2<f32>, offset: vec2<f32>) -> f32 {
 }
 
 fn is_edge_on(at: Place) -> bool {
-    let a = at.along_u;
-    let b = at.along_v;
-    return abs(a.x * b.y - a.y * b.x) < EDGE_ON * (dot(a, a) + dot(b, b));
+    let det = at.along_u.x * at.along_v.y - at.along_u.y * at.along_v.x;
+    return det * det < EDGE_ON * EDGE_ON * at.sides_squared;
 }
 
 fn newton_step(at: Place) -> vec2<f32> {
@@ -327,8 +334,9 @@ fn newton_step(at: Place) -> vec2<f32> {
         step = vec2<f32>(ab * gv - vv * gu, ab * gu - uu * gv) / damped;
     }
     let longest = max(abs(step.x), abs(step.y));
-    if (longest > 1.0) {
-        return step / longest;
+    let greatest = select(1.0, STEP_EDGE_ON, is_edge_on(at));
+    if (longest > greatest) {
+        return step * (greatest / longest);
     }
     return step;
 }

@@ -9,7 +9,8 @@
 //!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
 //!   that is seen edge-on, two more begin far from it on either side of the fold.
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
-//!   step of Levenberg and Marquardt. No step is longer than the piece, none leaves it by more than [`BEYOND`] of it: at
+//!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
+//!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
 //!   that border the search slides along. A
 //!   step that brings the offset no nearer to zero is halved, up to [`HALVINGS`] times.
 //! * **End.** Where the step is so short that it is as good as exact: it is taken and not evaluated, for what it leaves
@@ -29,7 +30,7 @@ use crate::layout::{PieceRecord, View};
 use nurbs::MAX_ORDER;
 
 /// Evaluations of S from one seed, at most.
-pub const EVALUATIONS: u32 = 16;
+pub const EVALUATIONS: u32 = 32;
 
 /// A step is the last where its squared share of the piece times the piece's longer side, in pixels, is at most this:
 /// the piece turns by half a radian along each parameter, so a quarter of it, 1/512 pixel, is what the step leaves
@@ -45,6 +46,10 @@ pub const NEAR_PX: f32 = 1.0 / 256.0;
 /// The least share of the squared offset that a step must promise to take away.
 pub const PROMISE: f32 = 3.0 / 4.0;
 
+/// A step that takes less than this share of the squared offset away is as doubtful as one that promised little. Toward
+/// a double root Newton's step takes 15/16.
+pub const SLOW: f32 = 1.0 / 2.0;
+
 /// How far beyond the piece the search may go, as a share of it: there the polynomial goes on.
 pub const BEYOND: f32 = 1.0 / 8.0;
 
@@ -57,10 +62,14 @@ pub const ONE_SEED: f32 = 1.0 / 4.0;
 /// Halvings of one step: where none of them comes nearer, the offset has a minimum.
 pub const HALVINGS: u32 = 4;
 
-/// Below this determinant, as a share of the squared columns, a piece counts as seen edge-on.
-pub const EDGE_ON: f32 = 1.0 / 32.0;
+/// Below this sine of the angle between the ray and the piece, a piece counts as seen edge-on: as far as it turns, it
+/// may have a fold.
+pub const EDGE_ON: f32 = 3.0 / 8.0;
 
-/// Steps that promise little which a search takes where the piece is seen edge-on, or on a piece whose derivatives
+/// The longest step where the piece is seen edge-on, as a share of it: a longer one might jump over a fold.
+pub const STEP_EDGE_ON: f32 = 1.0 / 2.0;
+
+/// Doubtful steps which a search takes where the piece is seen edge-on, or on a piece whose derivatives
 /// change by more than they measure where they are least, as at a collapsed edge.
 pub const PATIENCE: u32 = 4;
 
@@ -122,6 +131,8 @@ struct Place {
     along_v: [f32; 2],
     /// The square of the piece's longer side in pixels, were it seen at a right angle.
     side_squared: f32,
+    /// The square of the product of both sides.
+    sides_squared: f32,
     /// Derivatives of the logarithm of w by u and v times the piece's extents.
     recedes: [f32; 2],
     /// z / w, and its derivatives by u and v times the piece's extents.
@@ -263,10 +274,11 @@ fn search<const CAPACITY: usize>(
     let mut step = slid(&best, newton_step(&best), low, high);
     let (mut doubts, mut halvings) = (0, 0);
     for k in 0..EVALUATIONS {
-        let mut improved = true;
+        let (mut improved, mut slow) = (true, false);
         if k > 0 {
             let next = place::<CAPACITY>(scene, piece, sight, degree, uv);
             improved = next.squared < best.squared;
+            slow = next.squared > (1.0 - SLOW) * best.squared;
             if improved {
                 best = next;
                 step = slid(&best, newton_step(&best), low, high);
@@ -291,8 +303,9 @@ fn search<const CAPACITY: usize>(
             return End { outcome: arrived(piece, &best, [0.0; 2]), at: best };
         }
         uv = [0, 1].map(|k| (best.uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
-        if improved && !promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k])) {
-            let patience = if is_edge_on(&best) { piece.patience.max(PATIENCE) } else { piece.patience };
+        let promising = promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k]));
+        if improved && (slow || !promising) {
+            let patience = if promising || is_edge_on(&best) { PATIENCE } else { piece.patience };
             if doubts >= patience || uv == best.uv {
                 return End { outcome: Outcome::Miss, at: best };
             }
@@ -364,14 +377,18 @@ fn place<const CAPACITY: usize>(
         [quotient(&sight.x, offset[0]), quotient(&sight.y, offset[1]), quotient(&sight.z, depth), slope * share]
     };
     let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
+    let right = [sight.x[0], sight.x[1], sight.x[2]];
+    let squared_pixels = dot(right, right) / (w * w);
+    let side_u = dot(su, su) * (extent[0] * extent[0]) * squared_pixels;
+    let side_v = dot(sv, sv) * (extent[1] * extent[1]) * squared_pixels;
     Place {
         uv,
         offset,
         squared: if w > 0.0 { offset[0] * offset[0] + offset[1] * offset[1] } else { f32::MAX },
         along_u: [along_u[0], along_u[1]],
         along_v: [along_v[0], along_v[1]],
-        side_squared: (dot(su, su) * extent[0] * extent[0]).max(dot(sv, sv) * extent[1] * extent[1])
-            * (dot([sight.x[0], sight.x[1], sight.x[2]], [sight.x[0], sight.x[1], sight.x[2]]) / (w * w)),
+        side_squared: side_u.max(side_v),
+        sides_squared: side_u * side_v,
         recedes: [along_u[3], along_v[3]],
         depth: [depth, along_u[2], along_v[2]],
     }
@@ -398,10 +415,10 @@ fn slid(at: &Place, step: [f32; 2], low: [f32; 2], high: [f32; 2]) -> [f32; 2] {
 fn is_edge_on(at: &Place) -> bool {
     let Place { along_u: a, along_v: b, .. } = *at;
     let det = a[0] * b[1] - a[1] * b[0];
-    det.abs() < EDGE_ON * (a[0] * a[0] + a[1] * a[1] + b[0] * b[0] + b[1] * b[1])
+    det * det < EDGE_ON * EDGE_ON * at.sides_squared
 }
 
-/// The step toward zero offset, as shares of the piece, at most one piece long.
+/// The step toward zero offset, as shares of the piece: at most one piece long, less where it is seen edge-on.
 #[inline]
 fn newton_step(at: &Place) -> [f32; 2] {
     let Place { offset, along_u: a, along_v: b, .. } = *at;
@@ -421,7 +438,8 @@ fn newton_step(at: &Place) -> [f32; 2] {
         [(ab * gv - vv * gu) / det, (ab * gu - uu * gv) / det]
     };
     let longest = step[0].abs().max(step[1].abs());
-    if longest > 1.0 { [step[0] / longest, step[1] / longest] } else { step }
+    let greatest = if is_edge_on(at) { STEP_EDGE_ON } else { 1.0 };
+    if longest > greatest { step.map(|x| x * (greatest / longest)) } else { step }
 }
 
 #[inline(always)]

@@ -123,6 +123,8 @@ fn constants_have_the_same_values() {
         ("INSIDE", newton::INSIDE),
         ("BEYOND", newton::BEYOND),
         ("EDGE_ON", newton::EDGE_ON),
+        ("STEP_EDGE_ON", newton::STEP_EDGE_ON),
+        ("SLOW", newton::SLOW),
         ("ONE_SEED", newton::ONE_SEED),
         ("NEARLY_SINGULAR", newton::NEARLY_SINGULAR),
         ("DAMPING", newton::DAMPING),
