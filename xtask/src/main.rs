@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use xtask::{adapters, bench, bless, ci, compare, eval, info, kanai, pixel, render};
+use xtask::{adapters, bench, bless, ci, compare, conform, eval, info, kanai, pixel, render};
 
 /// Isophote: NURBS surfaces, exact per pixel, three independent ways, and how far the three agree
 #[derive(Parser)]
@@ -15,6 +15,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Compare(compare::CompareArgs),
+    Conform(conform::ConformArgs),
     Render(render::RenderArgs),
     Eval(eval::EvalArgs),
     Pixel(pixel::PixelArgs),
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
     let done = |result: anyhow::Result<()>| result.map(|()| ExitCode::SUCCESS);
     let result = match Cli::parse().command {
         Command::Compare(args) => compare::run(&args),
+        Command::Conform(args) => conform::run(&args),
         Command::Render(args) => done(render::run(&args)),
         Command::Eval(args) => done(eval::run(&args)),
         Command::Pixel(args) => pixel::run(&args),

@@ -69,7 +69,12 @@ pub(crate) fn even(degree: usize, count: usize) -> KnotVector {
     clamped(degree, &(1..spans).map(|i| i as f64 / spans as f64).collect::<Vec<_>>())
 }
 
-pub(crate) fn surface(knots_u: KnotVector, knots_v: KnotVector, points: Vec<DVec3>, weights: Option<Vec<f64>>) -> Surface {
+pub(crate) fn surface(
+    knots_u: KnotVector,
+    knots_v: KnotVector,
+    points: Vec<DVec3>,
+    weights: Option<Vec<f64>>,
+) -> Surface {
     Surface::new(knots_u, knots_v, points, weights).expect("counts follow from the knots, and numbers are finite")
 }
 
