@@ -1,6 +1,9 @@
 //! `conform`: a portable corpus on each adapter, and one report of it for people, for CI systems and for a browser.
 
 pub mod corpus;
+pub mod html;
+pub mod junit;
+pub mod merge;
 pub mod pictures;
 pub mod report;
 pub mod run;
@@ -8,13 +11,13 @@ pub mod table;
 
 use crate::format::Format;
 use anyhow::{Context, Result};
-use clap::Args;
+use clap::{Args, Subcommand};
 use corpus::{Shard, Suite};
-use report::{Report, State};
+use report::{Report, State, write_atomically};
 use run::{Adapter, Gpu, Plans, absent};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Run the conformance suite on a GPU adapter, and write a report that opens in a browser
 ///
@@ -25,8 +28,15 @@ use std::sync::atomic::AtomicBool;
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub struct ConformArgs {
+    #[command(subcommand)]
+    command: Option<ConformCommand>,
     #[command(flatten)]
     run: RunArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum ConformCommand {
+    Merge(merge::MergeArgs),
 }
 
 /// What is run.
@@ -61,6 +71,9 @@ pub struct OutputArgs {
 /// # Errors
 /// Where the folder cannot be written. An adapter that is not there is no error here: the report says so.
 pub fn run(args: &ConformArgs) -> Result<ExitCode> {
+    if let Some(ConformCommand::Merge(args)) = &args.command {
+        return merge::run(args);
+    }
     let RunArgs { adapter, suite, shard, output } = &args.run;
     let plans = Plans { suite: *suite, scenes: suite.scenes(), shard: *shard };
     let (mut adapters, absent) = open(adapter.as_deref());
@@ -68,8 +81,7 @@ pub fn run(args: &ConformArgs) -> Result<ExitCode> {
     let mut report = plans.report(subjects);
     let folder = &output.out;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    let stop = AtomicBool::new(false);
-    plans.run(&mut adapters, &mut report, &stop, &mut |report| report.write(folder))?;
+    plans.run(&mut adapters, &mut report, on_interrupt(), &mut |report| report.write(folder))?;
     finish(&report, output)
 }
 
@@ -110,6 +122,28 @@ fn finish(report: &Report, output: &OutputArgs) -> Result<ExitCode> {
     })
 }
 
-fn write(report: &Report, folder: &Path) -> Result<()> {
-    report.write(folder)
+/// Writes the three files.
+///
+/// # Errors
+/// Where the folder cannot be written.
+pub fn write(report: &Report, folder: &Path) -> Result<()> {
+    report.write(folder)?;
+    write_atomically(&folder.join("junit.xml"), &junit::xml(report)?)?;
+    write_atomically(&folder.join("report.html"), html::page(report)?.as_bytes())
+}
+
+/// Set once a person interrupts: the run ends after the case at hand and is reported as far as it went. A second
+/// interrupt ends the program.
+fn on_interrupt() -> &'static AtomicBool {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    let handled = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(2);
+        }
+        eprintln!("stopping after this case; interrupt again to end at once");
+    });
+    if let Err(error) = handled {
+        eprintln!("an interrupt will end the run at once: {error}");
+    }
+    &STOP
 }
