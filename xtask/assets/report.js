@@ -81,7 +81,7 @@ for (const { id, state } of subjects) {
     own.length ? el("dl", { class: "facts" },
       fact("Cases agree", `${own.filter((row) => row.state === "agree").length} / ${own.length + missing.get(id).length}`),
       fact("Pixels", sum("covered")), fact("Differ", sum("differing")), fact("Unbounded", sum("unbounded")), fact("Undecided", sum("undecided")),
-      fact("Position", percent(most[0])), fact("Normal", percent(most[1])), fact("Curvature", percent(most[2]))) : null));
+      fact("Position budget", percent(most[0])), fact("Normal budget", percent(most[1])), fact("Curvature budget", percent(most[2]))) : null));
 }
 
 // ---- histograms ----
@@ -214,7 +214,7 @@ function worst(row, marks) {
   const list = row.outcome.pairs.flatMap((pair) => pair.worst.map((pixel) => ({ pixel, pair })));
   if (!list.length) return el("div", {}, el("h3", {}, "Pixels that differ"), el("p", { class: "quiet" }, "None."));
   const values = el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Values of the chosen pixel" });
-  const command = el("code");
+  const command = el("code", { tabindex: 0 });
   const choose = ({ pixel, pair }, button) => {
     values.replaceChildren(stages(pixel, pair));
     command.textContent = `cargo xtask pixel ${model} ${pixel.x},${pixel.y} ${options.join(" ")}`;
@@ -247,14 +247,14 @@ function detail(row) {
       el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Comparisons" }, pairs),
       el("div", { class: "histograms" }, KINDS.map((kind) => histogram(`Budget: ${kind}`, ...budgetBins(row.outcome.pairs, kind)))),
       row.outcome.error ? el("p", { class: "why" }, row.outcome.error) : worst(row, view ? view.marks : new Map()),
-      el("div", {}, el("h3", {}, "Again"), el("code", {}, `cargo xtask compare ${model} ${options.join(" ")}`))));
+      el("div", {}, el("h3", {}, "Again"), el("code", { tabindex: 0 }, `cargo xtask compare ${model} ${options.join(" ")}`))));
 }
 
 // ---- the list of cases ----
 for (const { id } of subjects) $("subject").append(el("option", { value: id }, subjectById.get(id).name));
 for (const technique of new Set(report.planned.map((key) => key.technique))) $("technique").append(el("option", { value: technique }, technique));
 let listOrder = (a, b) => RANK[b.state] - RANK[a.state] || Math.max(...b.shares) - Math.max(...a.shares);
-const share = (row, kind) => el("td", { class: "number" }, row.outcome ? percent(row.shares[kind]) : "–", el("span", { class: "meter", "aria-hidden": true }, el("i", { style: `width:${Math.min(100, 100 * row.shares[kind])}%` })));
+const share = (row, kind) => el("td", { class: "number" }, row.outcome ? percent(row.shares[kind]) : "–");
 function line(row) {
   const open = row.outcome ? el("button", { type: "button", class: "open", "aria-expanded": false }, row.scene) : el("span", {}, row.scene);
   const node = el("tr", { class: "case" },
@@ -285,7 +285,7 @@ function drawList(order) {
 sortable($("list"), [
   { title: "Scene", value: (row) => row.scene }, { title: "View", value: (row) => row.viewpoint }, { title: "Technique", value: (row) => `${row.technique} ${row.scheme}` },
   { title: "Renderer", value: (row) => subjectById.get(row.subject).name }, { title: "Verdict", value: (row) => RANK[row.state] },
-  { title: "Pixels", number: true, value: (row) => row.covered }, { title: "Differ", number: true, value: (row) => row.differing }, { title: "Unbounded", number: true, value: (row) => row.unbounded },
+  { title: "Pixels", number: true, value: (row) => row.covered }, { title: "Differ", number: true, value: (row) => row.differing }, { title: "No bound", number: true, value: (row) => row.unbounded },
   { title: "S", number: true, value: (row) => row.shares[0] }, { title: "n", number: true, value: (row) => row.shares[1] }, { title: "k", number: true, value: (row) => row.shares[2] },
   { title: "Across px", number: true, value: (row) => row.across },
 ], drawList);

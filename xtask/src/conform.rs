@@ -42,7 +42,8 @@ enum ConformCommand {
 /// What is run.
 #[derive(Debug, Args)]
 pub struct RunArgs {
-    /// Part of the adapter's name, or `all` for each adapter of this machine [default: the best one]
+    /// Part of the adapter's name, or `all` for each adapter of this machine (those of one name and driver once)
+    /// [default: the best one]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
     /// How much of the corpus
@@ -87,15 +88,21 @@ pub fn run(args: &ConformArgs) -> Result<ExitCode> {
 
 /// The adapters asked for, and the ones that could not be opened.
 fn open(name: Option<&str>) -> (Vec<Box<dyn Adapter>>, Vec<report::Subject>) {
+    let all = name == Some("all");
     let wanted: Vec<Option<String>> = match name {
-        Some("all") => gpu::adapters().into_iter().map(|info| Some(info.name)).collect(),
+        Some(_) if all => gpu::adapters().into_iter().map(|info| Some(info.name)).collect(),
         name => vec![name.map(str::to_owned)],
     };
-    let wanted = if wanted.is_empty() { vec![None] } else { wanted };
+    let (all, wanted) = if wanted.is_empty() { (false, vec![None]) } else { (all, wanted) };
     let (mut opened, mut missing): (Vec<Box<dyn Adapter>>, Vec<report::Subject>) = (vec![], vec![]);
     for name in wanted {
         let label = name.as_deref().unwrap_or("any GPU");
         match Gpu::open(name.as_deref()) {
+            // With `all` the name is whole, yet `open` takes the first that contains it.
+            Ok(gpu) if all && gpu.subject().name != label => {
+                let why = format!("its name is part of {:?}, which is opened instead", gpu.subject().name);
+                missing.push(absent(label, why));
+            }
             Ok(gpu) if opened.iter().all(|other| other.subject().id != gpu.subject().id) => opened.push(Box::new(gpu)),
             // Two adapters of one name, driver and host: what holds for one holds for the other.
             Ok(_) => {}

@@ -34,7 +34,7 @@ pub const HARD: &[(&str, &str)] = &[
     ("hyperboloid", "rational, degree 2 x 2: a branch of a hyperbola, turned"),
     ("tube", "bicubic, closed by clamped ends that meet in a seam"),
     ("unclamped-rational", "degree 4 x 3, rational, uniform knots not repeated at the ends"),
-    ("dish", "nearly flat: most views from the side are near its tangent planes"),
+    ("dish", "a shallow bowl: views from the side are near its tangent planes"),
 ];
 
 /// The hard model of that name.
@@ -140,7 +140,7 @@ fn tube() -> Surface {
 }
 
 fn dish() -> Surface {
-    let meridian = [[0.0, -0.02, 1.0], [0.5, -0.02, FRAC_1_SQRT_2], [1.0, 0.02, 1.0]];
+    let meridian = [[0.0, -0.12, 1.0], [0.5, -0.12, FRAC_1_SQRT_2], [1.0, 0.12, 1.0]];
     revolved(&meridian, clamped(2, &[]))
 }
 
