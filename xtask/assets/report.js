@@ -15,7 +15,7 @@ function el(tag, attributes = {}, ...children) {
 const count = (n, one, many) => `${n.toLocaleString("en")} ${n === 1 ? one : many || one + "s"}`;
 const percent = (share) => (share === 0 ? "0 %" : share < 0.001 ? "< 0.1 %" : `${(100 * share).toFixed(1)} %`);
 const STATES = { agree: "agrees", differ: "differs", partial: "not run" };
-const badge = (word) => el("span", { class: `badge ${word}` }, STATES[word]);
+const badge = (word, text) => el("span", { class: `badge ${word}` }, text || STATES[word]);
 const KINDS = ["position", "normal", "curvature"];
 
 // One row for each subject of each case.
@@ -32,7 +32,7 @@ for (const entry of report.cases) {
       covered: pairs.length ? pairs[0].covered : 0,
       differing: pairs.reduce((sum, pair) => sum + pair.differing, 0),
       unbounded: Math.max(0, ...pairs.map((pair) => pair.unbounded)),
-      undecided: entry.undecided, shares: shares(pairs), across: across ? across[0] : 0, bound: across ? across[1] : null,
+      undecided: entry.undecided, shares: shares(pairs), across: across ? across[0] : 0, loose: pairs.some((pair) => pair.greatest_bound_px === null),
       reasons: outcome.error ? [outcome.error] : [...new Set(pairs.flatMap((pair) => pair.reasons))],
     });
   }
@@ -43,7 +43,7 @@ for (const { id, missing } of subjects) {
     const [scene, viewpoint, technique, scheme] = name.split("/");
     const entry = report.cases.find((entry) => ["scene", "viewpoint", "technique", "scheme"].every((part, i) => entry.key[part] === name.split("/")[i]));
     const why = (entry && entry.error) || subjectById.get(id).failure || "not there";
-    rows.push({ entry: null, outcome: null, scene, viewpoint, technique, scheme, subject: id, state: "partial", covered: 0, differing: 0, unbounded: 0, undecided: 0, shares: [0, 0, 0], across: 0, bound: null, reasons: [why] });
+    rows.push({ entry: null, outcome: null, scene, viewpoint, technique, scheme, subject: id, state: "partial", covered: 0, differing: 0, unbounded: 0, undecided: 0, shares: [0, 0, 0], across: 0, loose: false, reasons: [why] });
   }
 }
 
@@ -75,7 +75,7 @@ for (const { id, state } of subjects) {
   const sum = (name) => own.reduce((total, row) => total + row[name], 0).toLocaleString("en");
   const most = [0, 1, 2].map((kind) => Math.max(0, ...own.map((row) => row.shares[kind])));
   $("subjects").append(el("article", { class: "card" },
-    el("div", { class: "top" }, el("h3", {}, subject.name), badge(state)),
+    el("div", { class: "top" }, el("h3", {}, subject.name), badge(state, state === "partial" ? "partial" : null)),
     el("p", { class: "quiet" }, [subject.kind === "cpu" ? "reference in f32, deterministic" : subject.kind, subject.driver, subject.backend, subject.host].filter(Boolean).join(" · ")),
     subject.failure ? el("p", { class: "why" }, subject.failure) : null,
     own.length ? el("dl", { class: "facts" },
@@ -231,15 +231,16 @@ function worst(row, marks) {
   choose(list[0], table.querySelector("button"));
   return el("div", { class: "stack" }, el("h3", {}, "Pixels that differ, worst first"), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Pixels that differ" }, table), values, command);
 }
+const px = (value) => (value === null ? "none" : value.toFixed(4));
 function detail(row) {
   const [model, ...options] = row.entry.options.split(" ");
   const view = viewer(row);
   const maps = row.outcome.pairs.filter((pair) => pair.difference).map((pair) => el("figure", {},
     el("figcaption", {}, `${NAMES[pair.reference] || pair.reference} | ${NAMES[pair.candidate] || pair.candidate}`),
     el("img", { src: pair.difference, alt: `Map of differences, ${pair.reference} against ${pair.candidate}` })));
-  const pairs = el("table", {}, el("thead", {}, el("tr", {}, ["pair", "full / partial / none", "across px (bound)", "S", "n", "k", ""].map((title) => el("th", {}, title)))),
+  const pairs = el("table", {}, el("thead", {}, el("tr", {}, ["pair", "full / partial / none", "across px (bound there, largest)", "S", "n", "k", ""].map((title) => el("th", {}, title)))),
     el("tbody", {}, row.outcome.pairs.map((pair) => el("tr", {}, el("th", { scope: "row" }, `${pair.reference} | ${pair.candidate}`), el("td", {}, pair.coverage.join(" / ")),
-      el("td", {}, pair.across_px[0] === null ? "–" : `${pair.across_px[0].toFixed(4)} (${pair.across_px[1] === null ? "∞" : pair.across_px[1].toFixed(4)})`), KINDS.map((kind) => el("td", {}, percent(pair[kind].max))), el("td", {}, badge(pair.agree ? "agree" : "differ"))))));
+      el("td", {}, pair.across_px[0] === null ? "–" : `${pair.across_px[0].toFixed(4)} (${px(pair.across_px[1])}, ${px(pair.greatest_bound_px)})`), KINDS.map((kind) => el("td", {}, percent(pair[kind].max))), el("td", {}, badge(pair.agree ? "agree" : "differ"))))));
   return el("div", { class: "panel" },
     el("div", { class: "stack" }, view ? view.node : el("p", { class: "quiet" }, "No pictures are kept of an agreeing case but for the first view of each scene."),
       maps.length ? el("div", { class: "maps" }, maps) : null),
@@ -261,7 +262,7 @@ function line(row) {
     el("td", {}, open), el("td", {}, row.viewpoint), el("td", {}, row.technique, " ", el("small", {}, row.scheme)), el("td", {}, subjectById.get(row.subject).name),
     el("td", {}, badge(row.state), row.reasons.map((reason) => el("div", { class: "reason" }, reason))),
     el("td", { class: "number" }, row.covered.toLocaleString("en")), el("td", { class: "number" }, String(row.differing)), el("td", { class: "number" }, String(row.unbounded)),
-    share(row, 0), share(row, 1), share(row, 2), el("td", { class: "number" }, row.outcome ? row.across.toFixed(4) : "–"));
+    share(row, 0), share(row, 1), share(row, 2), el("td", { class: "number" }, row.outcome ? row.across.toFixed(4) : "–", row.loose ? el("div", {}, el("small", {}, "some have no bound")) : null));
   open.addEventListener("click", () => {
     const next = node.nextElementSibling;
     const isOpen = open.getAttribute("aria-expanded") === "true";

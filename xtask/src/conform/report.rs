@@ -168,6 +168,8 @@ pub struct Pair {
     pub coverage: [usize; 3],
     /// The largest distance across the ray, pixels, and the bound there; none where it is infinite.
     pub across_px: [Option<f64>; 2],
+    /// The largest bound of any covered pixel, pixels; none where a pixel has no bound.
+    pub greatest_bound_px: Option<f64>,
     /// Budget of the position, the normal and the curvatures.
     pub position: Budget,
     /// Of the normal.
@@ -286,6 +288,7 @@ impl Pair {
             unbounded: found.unbounded,
             coverage: [found.coverage.full, found.coverage.partial, found.coverage.none],
             across_px: [finite(found.max_px), finite(found.bound_px)],
+            greatest_bound_px: finite(found.greatest_bound_px),
             position: budget(found.position_share),
             normal: budget(found.normal_share),
             curvature: budget(found.curvature_share),
