@@ -66,6 +66,9 @@ fn the_page_loads_sorts_filters_and_swipes() {
     page.evaluate("document.querySelector('#list .open').focus()");
     page.press("Enter", 13, "\r");
     assert_eq!(page.evaluate("document.querySelector('#list .open').getAttribute('aria-expanded')"), "true");
+    let panel =
+        "document.querySelector('.panel').scrollWidth <= document.querySelector('#list').parentElement.clientWidth";
+    assert_eq!(page.evaluate(panel), true);
     let clip = "document.querySelector('.swipe img:nth-of-type(2)').style.clipPath";
     assert_eq!(page.evaluate(clip), "inset(0px 50% 0px 0px)");
     page.evaluate("document.querySelector('.slide').focus()");
