@@ -1,6 +1,6 @@
 //! `compare`: render by all three, or take what others rendered, compare, and show a person the answer.
 
-mod pictures;
+pub mod pictures;
 mod saved;
 mod table;
 

@@ -7,6 +7,7 @@ pub mod bench;
 pub mod bless;
 pub mod ci;
 pub mod compare;
+pub mod conform;
 pub mod eval;
 pub mod format;
 pub mod info;

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use xtask::{adapters, bench, bless, ci, compare, eval, info, kanai, pixel, render, scene};
+use xtask::{adapters, bench, bless, ci, compare, conform, eval, info, kanai, pixel, render, scene};
 
 /// Isophote: NURBS surfaces, exact per pixel, three independent ways, and how far the three agree
 #[derive(Parser)]
@@ -15,6 +15,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Compare(compare::CompareArgs),
+    Conform(conform::ConformArgs),
     Render(render::RenderArgs),
     Scene(scene::SceneArgs),
     Eval(eval::EvalArgs),
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
     let done = |result: anyhow::Result<()>| result.map(|()| ExitCode::SUCCESS);
     let result = match Cli::parse().command {
         Command::Compare(args) => compare::run(&args),
+        Command::Conform(args) => conform::run(&args),
         Command::Render(args) => done(render::run(&args)),
         Command::Scene(args) => done(scene::run(&args)),
         Command::Eval(args) => done(eval::run(&args)),

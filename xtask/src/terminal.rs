@@ -1,14 +1,19 @@
 //! What a person sees while waiting, and pictures where the terminal can show them.
 
 use gbuffer::Picture;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressFinish, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::LazyLock;
 
-/// A progress bar of `length` steps on standard error; it draws nothing where that is not a terminal.
+/// The bars that are drawn now, one below the other: a long command's own above those of its steps.
+static BARS: LazyLock<MultiProgress> = LazyLock::new(MultiProgress::new);
+
+/// A progress bar of `length` steps on standard error, gone when dropped; it draws nothing where that is not a terminal.
 pub fn progress(what: &str, length: usize) -> ProgressBar {
     let style =
         ProgressStyle::with_template("{msg:24} {bar:40.cyan/blue} {pos}/{len} {eta}").expect("a valid template");
-    ProgressBar::new(length as u64).with_style(style).with_message(what.to_owned())
+    let bar = ProgressBar::new(length as u64).with_style(style).with_finish(ProgressFinish::AndClear);
+    BARS.add(bar).with_message(what.to_owned())
 }
 
 /// Whether standard output is a terminal: only then are colours and pictures printed.

@@ -3,6 +3,7 @@
 //! The made ones are about a unit in size, z up, and good to look at from the direction (1, −1.6, 0.9). They are the
 //! same numbers on every machine: `+ − × ÷ √` and the sine and cosine of the `libm` crate.
 
+use crate::hard::hard;
 use crate::json;
 use crate::wrap::wrap;
 use glam::{DVec3, DVec4};
@@ -28,7 +29,7 @@ pub const BUILTINS: &[(&str, &str)] = &[
     ("spray", "a fountain of leaves: 266 bicubic surfaces of 18 x 18 control points"),
 ];
 
-/// The built-in model of that name; `None` where it is not one of [`BUILTINS`].
+/// The built-in model of that name; `None` where it is neither one of [`BUILTINS`] nor one of [`HARD`](crate::HARD).
 pub fn builtin(name: &str) -> Option<Model> {
     let surfaces = match name {
         "teapot" => return Some(embedded(include_str!("../../../testdata/models/teapot.json"))),
@@ -44,31 +45,36 @@ pub fn builtin(name: &str) -> Option<Model> {
         "unclamped" => vec![dome()],
         "periodic" => vec![vase()],
         "spray" => spray(),
-        _ => return None,
+        _ => return hard(name),
     };
     Some(Model::of_surfaces(name, surfaces).expect("each has a surface"))
 }
 
-fn embedded(text: &str) -> Model {
+pub(crate) fn embedded(text: &str) -> Model {
     json::parse(text, "built in").expect("the embedded files are legal, as a test shows")
 }
 
-fn knots(degree: usize, knots: &[f64]) -> KnotVector {
+pub(crate) fn knots(degree: usize, knots: &[f64]) -> KnotVector {
     KnotVector::new(degree, knots.to_vec()).expect("written out below, or made sorted")
 }
 
 /// Clamped knots over \[0, 1\] with the given interior ones.
-fn clamped(degree: usize, interior: &[f64]) -> KnotVector {
+pub(crate) fn clamped(degree: usize, interior: &[f64]) -> KnotVector {
     knots(degree, &[&vec![0.0; degree + 1], interior, &vec![1.0; degree + 1]].concat())
 }
 
 /// Clamped knots over \[0, 1\] for `count` control points, evenly spaced.
-fn even(degree: usize, count: usize) -> KnotVector {
+pub(crate) fn even(degree: usize, count: usize) -> KnotVector {
     let spans = count - degree;
     clamped(degree, &(1..spans).map(|i| i as f64 / spans as f64).collect::<Vec<_>>())
 }
 
-fn surface(knots_u: KnotVector, knots_v: KnotVector, points: Vec<DVec3>, weights: Option<Vec<f64>>) -> Surface {
+pub(crate) fn surface(
+    knots_u: KnotVector,
+    knots_v: KnotVector,
+    points: Vec<DVec3>,
+    weights: Option<Vec<f64>>,
+) -> Surface {
     Surface::new(knots_u, knots_v, points, weights).expect("counts follow from the knots, and numbers are finite")
 }
 
@@ -80,7 +86,7 @@ fn greville(knots: &KnotVector, i: usize) -> f64 {
 }
 
 /// Control points on `shape`, which maps the unit square, at the Greville abscissae.
-fn sample(knots_u: &KnotVector, knots_v: &KnotVector, shape: impl Fn(f64, f64) -> DVec3) -> Vec<DVec3> {
+pub(crate) fn sample(knots_u: &KnotVector, knots_v: &KnotVector, shape: impl Fn(f64, f64) -> DVec3) -> Vec<DVec3> {
     let mut points = vec![];
     for i in 0..knots_u.control_count() {
         for j in 0..knots_v.control_count() {
@@ -90,7 +96,7 @@ fn sample(knots_u: &KnotVector, knots_v: &KnotVector, shape: impl Fn(f64, f64) -
     points
 }
 
-fn sampled(knots_u: KnotVector, knots_v: KnotVector, shape: impl Fn(f64, f64) -> DVec3) -> Surface {
+pub(crate) fn sampled(knots_u: KnotVector, knots_v: KnotVector, shape: impl Fn(f64, f64) -> DVec3) -> Surface {
     let points = sample(&knots_u, &knots_v, shape);
     surface(knots_u, knots_v, points, None)
 }
@@ -112,7 +118,7 @@ const CIRCLE: [[f64; 3]; 9] = [
 const QUARTERS: [f64; 6] = [0.25, 0.25, 0.5, 0.5, 0.75, 0.75];
 
 /// A profile of radius, height and weight, turned about the z axis; u goes round, v along the profile.
-fn revolved(profile: &[[f64; 3]], knots_v: KnotVector) -> Surface {
+pub(crate) fn revolved(profile: &[[f64; 3]], knots_v: KnotVector) -> Surface {
     let (mut points, mut weights) = (vec![], vec![]);
     for [x, y, w] in CIRCLE {
         for [radius, z, w_profile] in profile {

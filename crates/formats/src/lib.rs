@@ -8,6 +8,7 @@
 pub mod bpt;
 mod builtin;
 mod error;
+mod hard;
 pub mod json;
 mod open;
 mod place;
@@ -15,4 +16,5 @@ mod wrap;
 
 pub use builtin::{BUILTINS, builtin};
 pub use error::FormatError;
+pub use hard::HARD;
 pub use open::{MAX_FILE_BYTES, read};

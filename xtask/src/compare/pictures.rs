@@ -56,7 +56,7 @@ impl Pictures {
 
 /// How far apart two renderers' points are, across and along the ray, in pixels of the picture at that depth: false
 /// colour from 10⁻⁶ to 1 pixel, logarithmic; magenta where only one of them sees anything.
-fn difference(camera: &Camera, a: &GBuffer, b: &GBuffer) -> Picture {
+pub fn difference(camera: &Camera, a: &GBuffer, b: &GBuffer) -> Picture {
     let viewport = a.viewport();
     let value = |x: usize, y: usize| match (a.get(x, y), b.get(x, y)) {
         (None, None) => None,

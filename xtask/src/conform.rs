@@ -1,0 +1,156 @@
+//! `conform`: a portable corpus on each adapter, and one report of it for people, for CI systems and for a browser.
+
+pub mod corpus;
+pub mod html;
+pub mod junit;
+pub mod merge;
+pub mod pictures;
+pub mod report;
+pub mod run;
+pub mod table;
+
+use crate::format::Format;
+use anyhow::{Context, Result};
+use clap::{Args, Subcommand};
+use corpus::{Shard, Suite};
+use report::{Report, State, write_atomically};
+use run::{Adapter, Gpu, Plans, absent};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Run the conformance suite on a GPU adapter, and write a report that opens in a browser
+///
+/// Renders each scene of a portable corpus by the ray caster, the CPU rasterizer and the GPU, compares all pairs, and
+/// writes report.html, report.json and junit.xml. A run that is cut short leaves what it measured.
+///
+/// Exit code 0: all agree; 1: something differs; 2: something could not run or is missing.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub struct ConformArgs {
+    #[command(subcommand)]
+    command: Option<ConformCommand>,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum ConformCommand {
+    Merge(merge::MergeArgs),
+}
+
+/// What is run.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// Part of the adapter's name, or `all` for each adapter of this machine (those of one name and driver once)
+    /// [default: the best one]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// How much of the corpus
+    #[arg(long, value_enum, default_value = "smoke")]
+    suite: Suite,
+    /// Run part K of N only; `conform merge` joins the parts
+    #[arg(long, value_name = "K/N", default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Where the answer goes.
+#[derive(Debug, Clone, Args)]
+pub struct OutputArgs {
+    /// The folder of report.html, report.json and junit.xml
+    #[arg(long, value_name = "DIR", default_value = "out/conform")]
+    out: PathBuf,
+    /// For people or for machines
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where the folder cannot be written. An adapter that is not there is no error here: the report says so.
+pub fn run(args: &ConformArgs) -> Result<ExitCode> {
+    if let Some(ConformCommand::Merge(args)) = &args.command {
+        return merge::run(args);
+    }
+    let RunArgs { adapter, suite, shard, output } = &args.run;
+    let plans = Plans { suite: *suite, scenes: suite.scenes(), shard: *shard };
+    let (mut adapters, absent) = open(adapter.as_deref());
+    let subjects = adapters.iter().map(|adapter| adapter.subject()).chain(absent).collect();
+    let mut report = plans.report(subjects);
+    let folder = &output.out;
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    plans.run(&mut adapters, &mut report, on_interrupt(), &mut |report| report.write(folder))?;
+    finish(&report, output)
+}
+
+/// The adapters asked for, and the ones that could not be opened.
+fn open(name: Option<&str>) -> (Vec<Box<dyn Adapter>>, Vec<report::Subject>) {
+    let all = name == Some("all");
+    let wanted: Vec<Option<String>> = match name {
+        Some(_) if all => gpu::adapters().into_iter().map(|info| Some(info.name)).collect(),
+        name => vec![name.map(str::to_owned)],
+    };
+    let (all, wanted) = if wanted.is_empty() { (false, vec![None]) } else { (all, wanted) };
+    let (mut opened, mut missing): (Vec<Box<dyn Adapter>>, Vec<report::Subject>) = (vec![], vec![]);
+    for name in wanted {
+        let label = name.as_deref().unwrap_or("any GPU");
+        match Gpu::open(name.as_deref()) {
+            // With `all` the name is whole, yet `open` takes the first that contains it.
+            Ok(gpu) if all && gpu.subject().name != label => {
+                let why = format!("its name is part of {:?}, which is opened instead", gpu.subject().name);
+                missing.push(absent(label, why));
+            }
+            Ok(gpu) if opened.iter().all(|other| other.subject().id != gpu.subject().id) => opened.push(Box::new(gpu)),
+            // Two adapters of one name, driver and host: what holds for one holds for the other.
+            Ok(_) => {}
+            Err(error) => missing.push(absent(label, error.to_string())),
+        }
+    }
+    (opened, missing)
+}
+
+/// Writes and prints a report.
+fn finish(report: &Report, output: &OutputArgs) -> Result<ExitCode> {
+    write(report, &output.out)?;
+    match output.format {
+        Format::Json => println!("{}", serde_json::to_string(report)?),
+        Format::Table => {
+            println!("{}", table::text(report));
+            println!("report.html, report.json and junit.xml are in {}", output.out.display());
+        }
+    }
+    Ok(match report.state() {
+        State::Agree => ExitCode::SUCCESS,
+        State::Differ => ExitCode::from(1),
+        State::NotRun => ExitCode::from(2),
+    })
+}
+
+/// Writes the three files.
+///
+/// # Errors
+/// Where the folder cannot be written.
+pub fn write(report: &Report, folder: &Path) -> Result<()> {
+    report.write(folder)?;
+    write_atomically(&folder.join("junit.xml"), &junit::xml(report)?)?;
+    write_atomically(&folder.join("report.html"), html::page(report)?.as_bytes())
+}
+
+/// Set once a person interrupts: the run ends after the case at hand and is reported as far as it went. A second
+/// interrupt ends the program.
+fn on_interrupt() -> &'static AtomicBool {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    let handled = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(2);
+        }
+        eprintln!("stopping after this case; interrupt again to end at once");
+    });
+    if let Err(error) = handled {
+        eprintln!("an interrupt will end the run at once: {error}");
+    }
+    &STOP
+}

@@ -1,0 +1,311 @@
+//! The corpus: portable scenes, each named by what it stresses, and what a suite takes of them.
+
+use crate::stage::Plan;
+use anyhow::{Context, Result, bail};
+use glam::DVec3;
+use pipeline::{Scheme, Technique};
+use scene::{Camera, Model, Projection, Viewport};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// How much of the corpus is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Suite {
+    /// The hardest scenes, one view each: under a minute on two cores with a software GPU
+    Smoke,
+    /// All scenes, techniques and schemes from several viewpoints: under 15 minutes there
+    Standard,
+    /// The standard suite from more viewpoints, in larger pictures, and the spray of 266 surfaces
+    Full,
+}
+
+/// A scene: a model, where it is looked at from, and what it may leave unbounded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// What it stresses, as a name.
+    pub name: &'static str,
+    /// What it stresses, as a sentence.
+    pub stresses: &'static str,
+    /// Name of a built-in model, so that any pixel can be asked for again on the command line.
+    pub model: &'static str,
+    /// From where; the smoke suite takes the first.
+    pub viewpoints: &'static [Viewpoint],
+    /// The largest share of covered pixels whose normal may have no bound in f32: more than 0 at poles, and where knots
+    /// lie nearer to each other than f32 can tell.
+    pub unbounded_share: f64,
+    /// The least suite that runs it.
+    pub least: Suite,
+}
+
+/// Where a camera stands, in terms of the model's box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Viewpoint {
+    /// The whole model from the front right, above.
+    Framed,
+    /// Straight down.
+    Above,
+    /// Low and from the side: most of the picture is near a silhouette.
+    Grazing,
+    /// In the plane of the middle, less than half a degree above it.
+    EdgeOn,
+    /// From within the box, with walls at the near plane.
+    Inside,
+    /// As `Framed`, without perspective.
+    Orthographic,
+    /// From the front right, above, at a quarter of the distance.
+    Close,
+}
+
+const ALL_ROUND: &[Viewpoint] =
+    &[Viewpoint::Framed, Viewpoint::Grazing, Viewpoint::Orthographic, Viewpoint::Above, Viewpoint::Close];
+const FROM_ABOVE: &[Viewpoint] =
+    &[Viewpoint::Above, Viewpoint::Framed, Viewpoint::Grazing, Viewpoint::Orthographic, Viewpoint::Close];
+const LOW: &[Viewpoint] =
+    &[Viewpoint::Grazing, Viewpoint::EdgeOn, Viewpoint::Framed, Viewpoint::Orthographic, Viewpoint::Close];
+const HOLLOW: &[Viewpoint] =
+    &[Viewpoint::Framed, Viewpoint::Inside, Viewpoint::Grazing, Viewpoint::Orthographic, Viewpoint::Above];
+
+/// A scene of which every pixel must have a bound.
+const fn scene(
+    name: &'static str,
+    model: &'static str,
+    viewpoints: &'static [Viewpoint],
+    least: Suite,
+    stresses: &'static str,
+) -> Scene {
+    Scene { name, stresses, model, viewpoints, unbounded_share: 0.0, least }
+}
+
+/// A scene of which a share of the covered pixels may have no bound.
+const fn allowing(unbounded_share: f64, scene: Scene) -> Scene {
+    Scene { unbounded_share, ..scene }
+}
+
+use Suite::{Full, Smoke, Standard};
+
+/// Every scene, in the order in which they run; a shard takes every N-th.
+pub const SCENES: &[Scene] = &[
+    allowing(0.02, scene("pole", "sphere", FROM_ABOVE, Smoke, "a rational sphere: a pole at each end")),
+    allowing(0.02, scene("collapsed-sides", "lens", ALL_ROUND, Smoke, "two sides collapsed to points")),
+    allowing(0.02, scene("collapsed-side", "petal", ALL_ROUND, Standard, "one side collapsed to a point")),
+    allowing(0.02, scene("apex", "cone", ALL_ROUND, Standard, "a cone: no limit of the normal at its tip")),
+    scene("repeated-knots", "surface", ALL_ROUND, Smoke, "double and triple interior knots"),
+    scene("crease", "crease", ALL_ROUND, Smoke, "knots of full multiplicity: the normal jumps across a ridge"),
+    scene("folds-degree-1x4", "bilinear-quartic", ALL_ROUND, Standard, "a pleated fan, sharp at every knot"),
+    scene("degree-1x9", "degree-1x9", ALL_ROUND, Smoke, "the lowest degree with the highest"),
+    scene("degree-2x8", "degree-2x8", ALL_ROUND, Standard, "degree 2 x 8"),
+    scene("degree-3x7", "degree-3x7", ALL_ROUND, Standard, "degree 3 x 7"),
+    scene("degree-4x6", "degree-4x6", ALL_ROUND, Standard, "degree 4 x 6"),
+    scene("degree-5x5", "degree-5x5", ALL_ROUND, Standard, "degree 5 x 5"),
+    scene("degree-6x4", "degree-6x4", ALL_ROUND, Standard, "degree 6 x 4"),
+    scene("degree-7x3", "degree-7x3", ALL_ROUND, Standard, "degree 7 x 3"),
+    scene("degree-8x2", "degree-8x2", ALL_ROUND, Smoke, "degree 8 x 2"),
+    scene("degree-9x1", "degree-9x1", ALL_ROUND, Standard, "the highest degree with the lowest"),
+    scene("degree-7x7", "septic", ALL_ROUND, Standard, "degree 7 x 7, a ripple"),
+    scene("degree-5x2", "quintic-quadratic", ALL_ROUND, Standard, "degree 5 x 2, a saddle"),
+    scene("weights-1-to-1000", "weights-1000", ALL_ROUND, Smoke, "neighbouring rows of weights 1 and 1000"),
+    scene("weights-1-to-629", "weights-629", ALL_ROUND, Standard, "degree 4 x 4, weights over a ratio of 629"),
+    scene("weights", "rational", ALL_ROUND, Standard, "weights from 0.5 to 2 over multiple knots"),
+    scene("offset-1e6", "far", ALL_ROUND, Smoke, "a unit surface a million units from the origin"),
+    scene("coordinates-1e9", "huge", ALL_ROUND, Standard, "coordinates up to a thousand million"),
+    // A span below the resolution of f32 leaves the derivatives of its neighbours without a bound as well.
+    allowing(0.35, scene("tiny-spans", "tiny-spans", ALL_ROUND, Smoke, "knot spans down to 1e-8 of the domain")),
+    scene("near-tangent", "surface", LOW, Smoke, "views nearly along the surface"),
+    allowing(
+        0.02,
+        scene("near-tangent-dish", "dish", LOW, Standard, "a bowl seen from its edge; a pole in its middle"),
+    ),
+    scene("silhouette", "fold", ALL_ROUND, Smoke, "a sheet that folds over and cuts itself"),
+    scene("seam-clamped", "tube", HOLLOW, Standard, "a closed tube, clamped ends meet in a seam"),
+    scene("seam-periodic", "periodic", HOLLOW, Smoke, "a closed vase with periodic knots"),
+    scene("seams-both-ways", "torus", HOLLOW, Smoke, "a rational torus: closed both ways, conics both ways"),
+    scene("conic-hyperbola", "hyperboloid", HOLLOW, Standard, "a hyperbola of weights above 1, turned"),
+    scene("knots-unclamped", "unclamped", ALL_ROUND, Smoke, "knots not repeated at the ends"),
+    scene("knots-unclamped-rational", "unclamped-rational", ALL_ROUND, Standard, "the same, rational, degree 4 x 3"),
+    allowing(0.02, scene("patches-teapot", "teapot", ALL_ROUND, Smoke, "32 patches whose borders must not gape")),
+    scene("patches-teacup", "teacup", HOLLOW, Standard, "26 patches, y up"),
+    allowing(
+        0.02,
+        scene("patches-teaspoon", "teaspoon", ALL_ROUND, Standard, "thin: front and back are near each other"),
+    ),
+    scene("patches-266", "spray", ALL_ROUND, Full, "266 surfaces in front of each other"),
+];
+
+/// One picture that is drawn and compared, by name; what a scene of the corpus comes to in a suite.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct CaseKey {
+    /// The scene.
+    pub scene: String,
+    /// The viewpoint.
+    pub viewpoint: String,
+    /// The technique.
+    pub technique: String,
+    /// The scheme of programs.
+    pub scheme: String,
+}
+
+impl fmt::Display for CaseKey {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}/{}/{}/{}", self.scene, self.viewpoint, self.technique, self.scheme)
+    }
+}
+
+/// Part `index` (from 1) of `count` of a suite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Shard {
+    /// Which part, from 1.
+    pub index: usize,
+    /// Of how many.
+    pub count: usize,
+}
+
+impl Shard {
+    /// The whole suite.
+    pub const WHOLE: Self = Self { index: 1, count: 1 };
+
+    /// Whether this part runs the scene at `place` of the suite's list.
+    pub fn holds(self, place: usize) -> bool {
+        place % self.count == self.index - 1
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let parts = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+        let (index, count) = parts.with_context(|| format!("{text:?} is not K/N, as in 2/3"))?;
+        if index < 1 || index > count {
+            bail!("shard {text}: the first number goes from 1 to the second");
+        }
+        Ok(Self { index, count })
+    }
+}
+
+impl Suite {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Smoke => "smoke",
+            Self::Standard => "standard",
+            Self::Full => "full",
+        }
+    }
+
+    /// Side of its square pictures, in pixels: software Vulkan is slow at small triangles with heavy fragments.
+    pub fn side(self) -> usize {
+        match self {
+            // The same, so that the smoke suite is a part of the standard one.
+            Self::Smoke | Self::Standard => 64,
+            Self::Full => 128,
+        }
+    }
+
+    /// The scenes that it runs.
+    pub fn scenes(self) -> Vec<&'static Scene> {
+        let rank = |suite: Suite| suite as usize;
+        SCENES.iter().filter(|scene| rank(scene.least) <= rank(self)).collect()
+    }
+
+    /// The viewpoints from which it looks at a scene.
+    pub fn viewpoints(self, scene: &Scene) -> &'static [Viewpoint] {
+        match self {
+            Self::Smoke => &scene.viewpoints[..1],
+            Self::Standard => &scene.viewpoints[..3],
+            Self::Full => scene.viewpoints,
+        }
+    }
+
+    /// How it draws each view.
+    pub fn plans(self) -> Vec<Plan> {
+        let schemes: &[Scheme] = match self {
+            Self::Smoke => &[Scheme::Specialised],
+            Self::Standard | Self::Full => &[Scheme::Specialised, Scheme::General],
+        };
+        let plan = |technique| schemes.iter().map(move |&scheme| Plan { technique, scheme, ..Plan::default() });
+        Technique::ALL.into_iter().flat_map(plan).collect()
+    }
+}
+
+impl Scene {
+    /// The key of this scene as seen from `viewpoint`, drawn by `plan`.
+    pub fn key(&self, viewpoint: Viewpoint, plan: Plan) -> CaseKey {
+        CaseKey {
+            scene: self.name.to_owned(),
+            viewpoint: viewpoint.name().to_owned(),
+            technique: plan.technique.name().to_owned(),
+            scheme: scheme_name(plan.scheme).to_owned(),
+        }
+    }
+}
+
+/// A scheme's name on the command line.
+pub fn scheme_name(scheme: Scheme) -> &'static str {
+    match scheme {
+        Scheme::Specialised => "specialised",
+        Scheme::General => "general",
+    }
+}
+
+impl Viewpoint {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Framed => "framed",
+            Self::Above => "above",
+            Self::Grazing => "grazing",
+            Self::EdgeOn => "edge-on",
+            Self::Inside => "inside",
+            Self::Orthographic => "orthographic",
+            Self::Close => "close",
+        }
+    }
+
+    /// The camera that looks at `model` from here.
+    pub fn camera(self, model: &Model, viewport: Viewport) -> Camera {
+        let (center, size) = (model.hull().center(), model.hull().diagonal());
+        let framing = Camera::framing(model, viewport);
+        let wide = Projection::Perspective { fov_deg: 45.0 };
+        let (eye, target, up, projection) = match self {
+            Self::Framed => return framing,
+            Self::Above => (center + size * DVec3::Z, center, DVec3::Y, wide),
+            Self::Grazing => (center + size * DVec3::new(1.1, 0.2, 0.06), center, DVec3::Z, wide),
+            Self::EdgeOn => (center + size * DVec3::new(0.3, -1.1, 0.008), center, DVec3::Z, wide),
+            Self::Inside => {
+                let eye = center + size * DVec3::new(0.02, 0.03, 0.05);
+                (eye, eye + size * DVec3::new(0.4, 0.3, -0.15), DVec3::Z, wide)
+            }
+            Self::Orthographic => (framing.eye(), center, DVec3::Z, Projection::Orthographic { height: 0.7 * size }),
+            Self::Close => (center + (framing.eye() - center) * 0.25, center, DVec3::Z, wide),
+        };
+        Camera::look_at(eye, target, up, projection).expect("finite, distinct, and up is across the view")
+    }
+}
+
+/// The options of `pixel` and `compare` that stand for a camera, a size and a plan.
+pub fn command_options(camera: &Camera, viewport: Viewport, plan: Plan) -> String {
+    let facts = serde_json::json!(camera);
+    let [eye, target, up] = ["eye", "target", "up"].map(|name| {
+        let vector = facts[name].as_array().expect("a camera is written with its three vectors");
+        vector.iter().map(|x| x.to_string()).collect::<Vec<_>>().join(" ")
+    });
+    let projection = match camera.projection() {
+        Projection::Perspective { fov_deg } => format!("--fov {fov_deg}"),
+        Projection::Orthographic { height } => format!("--ortho {height}"),
+    };
+    format!(
+        "--eye {eye} --target {target} --up {up} {projection} --size {}x{} --technique {} --scheme {}",
+        viewport.width(),
+        viewport.height(),
+        plan.technique.name(),
+        scheme_name(plan.scheme)
+    )
+}

@@ -1,0 +1,56 @@
+//! A report as one HTML file that opens from disk: page, style, script and data, and nothing fetched.
+
+use super::report::{Report, State, Subject};
+use anyhow::Result;
+use serde::Serialize;
+
+const PAGE: &str = include_str!("../../assets/report.html");
+const STYLE: &str = include_str!("../../assets/report.css");
+const SCRIPT: &str = include_str!("../../assets/report.js");
+
+/// What the page shows: the report, and what follows from it.
+#[derive(Serialize)]
+struct Data<'a> {
+    report: &'a Report,
+    state: &'static str,
+    subjects: Vec<SubjectData<'a>>,
+}
+
+#[derive(Serialize)]
+struct SubjectData<'a> {
+    id: &'a str,
+    state: &'static str,
+    missing: Vec<String>,
+}
+
+/// The page.
+///
+/// # Errors
+/// Where the report cannot be written as JSON.
+pub fn page(report: &Report) -> Result<String> {
+    let data = Data {
+        report,
+        state: word(report.state()),
+        subjects: report.subjects.iter().map(|subject| subject_data(report, subject)).collect(),
+    };
+    // Inside a script element only `<` could end the data, in a driver's name or a message.
+    let data = serde_json::to_string(&data)?.replace('<', "\\u003c");
+    // The data goes in last: nothing in it is taken for a place to fill.
+    Ok(PAGE.replace("/*STYLE*/", STYLE).replace("/*SCRIPT*/", SCRIPT).replacen("/*DATA*/", &data, 1))
+}
+
+fn subject_data<'a>(report: &'a Report, subject: &'a Subject) -> SubjectData<'a> {
+    SubjectData {
+        id: &subject.id,
+        state: word(report.state_of(subject)),
+        missing: report.missing(&subject.id).iter().map(|key| key.to_string()).collect(),
+    }
+}
+
+fn word(state: State) -> &'static str {
+    match state {
+        State::Agree => "agree",
+        State::Differ => "differ",
+        State::NotRun => "partial",
+    }
+}

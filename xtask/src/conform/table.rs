@@ -1,0 +1,195 @@
+//! A report on the terminal: a table for each subject, the worst scenes first.
+
+use super::report::{Outcome, Report, State, Subject};
+use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets::UTF8_FULL_CONDENSED};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+/// Missing cases that are named.
+const NAMED: usize = 3;
+
+/// A scene's outcomes for one subject, added up.
+#[derive(Default)]
+struct Row<'a> {
+    scene: &'a str,
+    cases: usize,
+    agree: usize,
+    not_run: usize,
+    covered: usize,
+    differing: usize,
+    unbounded: usize,
+    undecided: usize,
+    shares: [f64; 3],
+}
+
+impl Row<'_> {
+    fn add(&mut self, outcome: &Outcome, undecided: usize) {
+        self.cases += 1;
+        self.agree += usize::from(outcome.state() == State::Agree);
+        self.not_run += usize::from(outcome.state() == State::NotRun);
+        self.undecided += undecided;
+        for pair in &outcome.pairs {
+            self.covered += pair.covered;
+            self.differing += pair.differing;
+            self.unbounded += pair.unbounded;
+            for (share, budget) in self.shares.iter_mut().zip([&pair.position, &pair.normal, &pair.curvature]) {
+                *share = share.max(budget.max);
+            }
+        }
+    }
+
+    fn worst_share(&self) -> f64 {
+        self.shares.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// The whole report in words.
+pub fn text(report: &Report) -> String {
+    let mut out = String::new();
+    for subject in &report.subjects {
+        let _ = writeln!(out, "{}", heading(subject));
+        let rows = rows(report, subject);
+        if !rows.is_empty() {
+            let _ = writeln!(out, "{}", table(&rows));
+        }
+        for (key, reason) in differences(report, subject) {
+            let _ = writeln!(out, "  {key}: {reason}");
+        }
+        let loose = loose(report, subject);
+        if !loose.is_empty() {
+            let scenes = loose.into_iter().collect::<Vec<_>>().join(", ");
+            let _ = writeln!(out, "  no bound across for some pixels, whose triangles may reach the eye: {scenes}");
+        }
+        let missing = report.missing(&subject.id);
+        if let Some(why) = &subject.failure {
+            let _ = writeln!(out, "  NOT RUN: {why}");
+        }
+        if !missing.is_empty() {
+            let names: Vec<String> = missing.iter().take(NAMED).map(|key| key.to_string()).collect();
+            let more = if missing.len() > NAMED { " …" } else { "" };
+            let _ = writeln!(out, "  {} cases are missing: {}{more}", missing.len(), names.join(", "));
+        }
+    }
+    for case in report.cases.iter().filter(|case| case.error.is_some()) {
+        let _ = writeln!(out, "{}: {}", case.key, case.error.as_deref().unwrap_or_default());
+    }
+    for note in &report.notes {
+        let _ = writeln!(out, "note: {note}");
+    }
+    let _ = write!(out, "{}", verdict(report));
+    out
+}
+
+fn heading(subject: &Subject) -> String {
+    let facts = [&subject.driver, &subject.backend, &subject.host];
+    let facts: Vec<&str> = facts.into_iter().map(String::as_str).filter(|fact| !fact.is_empty()).collect();
+    format!("{} ({})", subject.name, facts.join(", "))
+}
+
+/// One row a scene: those that differ first, then by the largest share of a budget.
+fn rows<'a>(report: &'a Report, subject: &'a Subject) -> Vec<Row<'a>> {
+    let mut rows: Vec<Row> = vec![];
+    for (case, outcome) in report.outcomes(&subject.id) {
+        let place = rows.iter().position(|row| row.scene == case.key.scene).unwrap_or_else(|| {
+            rows.push(Row { scene: &case.key.scene, ..Row::default() });
+            rows.len() - 1
+        });
+        rows[place].add(outcome, case.undecided);
+    }
+    rows.sort_by(|a, b| {
+        let failed = |row: &Row| row.cases - row.agree;
+        failed(b).cmp(&failed(a)).then(b.worst_share().total_cmp(&a.worst_share()))
+    });
+    rows
+}
+
+fn table(rows: &[Row]) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED);
+    table.set_header([
+        "scene",
+        "cases",
+        "agree",
+        "pixels",
+        "differ",
+        "undecided",
+        "unbounded",
+        "S / n / k, % of budget",
+        "verdict",
+    ]);
+    let mut total = Row { scene: "all", ..Row::default() };
+    for row in rows {
+        table.add_row(cells(row));
+        total.cases += row.cases;
+        total.agree += row.agree;
+        total.not_run += row.not_run;
+        total.covered += row.covered;
+        total.differing += row.differing;
+        total.undecided += row.undecided;
+        total.unbounded += row.unbounded;
+        for (sum, share) in total.shares.iter_mut().zip(row.shares) {
+            *sum = sum.max(share);
+        }
+    }
+    table.add_row(cells(&total));
+    for column in 1..8 {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+fn cells(row: &Row) -> Vec<Cell> {
+    let (word, colour) = match (row.not_run, row.agree == row.cases) {
+        (0, true) => ("agree", Color::Green),
+        (0, false) => ("DIFFER", Color::Red),
+        _ => ("NOT RUN", Color::Yellow),
+    };
+    let [s, n, k] = row.shares.map(|share| format!("{:.1}", 100.0 * share));
+    vec![
+        Cell::new(row.scene),
+        Cell::new(row.cases),
+        Cell::new(row.agree),
+        Cell::new(row.covered),
+        Cell::new(row.differing),
+        Cell::new(row.undecided),
+        Cell::new(row.unbounded),
+        Cell::new(format!("{s} / {n} / {k}")),
+        Cell::new(word).fg(colour).add_attribute(Attribute::Bold),
+    ]
+}
+
+/// Each case that does not agree, and why.
+fn differences(report: &Report, subject: &Subject) -> Vec<(String, String)> {
+    let mut found = vec![];
+    for (case, outcome) in report.outcomes(&subject.id) {
+        if let Some(error) = &outcome.error {
+            found.push((case.key.to_string(), error.clone()));
+        }
+        for pair in outcome.pairs.iter().filter(|pair| !pair.agree) {
+            let pixel = pair.worst.first();
+            let at = pixel.map_or(String::new(), |p| format!("; worst at ({}, {}): {}", p.x, p.y, p.detail));
+            let what = format!("{} | {}: {}{at}", pair.reference, pair.candidate, pair.reasons.join(", "));
+            found.push((case.key.to_string(), what));
+        }
+    }
+    found
+}
+
+/// The scenes in which some pixel's place in the picture has no bound: what agrees there says little.
+fn loose<'a>(report: &'a Report, subject: &'a Subject) -> BTreeSet<&'a str> {
+    let is_loose = |outcome: &Outcome| outcome.pairs.iter().any(|pair| pair.greatest_bound_px.is_none());
+    let found = report.outcomes(&subject.id).filter(|(_, outcome)| is_loose(outcome));
+    found.map(|(case, _)| case.key.scene.as_str()).collect()
+}
+
+fn verdict(report: &Report) -> String {
+    let (suite, shard) = (report.suite.name(), report.shard);
+    let what = match report.state() {
+        State::Agree => "all agree",
+        State::Differ => "SOMETHING DIFFERS",
+        State::NotRun => "PARTIAL: something could not run or is missing",
+    };
+    format!("suite {suite}, shard {shard}: {what}")
+}

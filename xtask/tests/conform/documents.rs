@@ -1,0 +1,116 @@
+//! JUnit and JSON against their schemas, with wrong documents to show that the schemas look.
+
+use crate::setting::{AGREEING, DIFFERING, Losing, folder, gpu, run};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::Command;
+use xtask::conform::report::Report;
+use xtask::conform::{html, junit};
+
+fn schema(name: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/schema").join(name)
+}
+
+/// What `xmllint` says of a document; empty where it is valid.
+fn invalid_junit(name: &str, bytes: &[u8]) -> String {
+    let path = folder(name).join("junit.xml");
+    std::fs::write(&path, bytes).expect("a file can be written");
+    let output = Command::new("xmllint")
+        .args(["--noout", "--nonet", "--schema"])
+        .args([schema("junit-10.xsd"), path])
+        .output()
+        .expect("xmllint: `apt-get install libxml2-utils`");
+    if output.status.success() { String::new() } else { String::from_utf8_lossy(&output.stderr).into_owned() }
+}
+
+/// What the schema says of a document; empty where it is valid.
+fn invalid_json(document: &Value) -> Vec<String> {
+    let text = std::fs::read_to_string(schema("conform-1.json")).expect("the schema is there");
+    let schema = serde_json::from_str(&text).expect("the schema is JSON");
+    let validator = jsonschema::validator_for(&schema).expect("the schema is one");
+    validator.iter_errors(document).map(|error| format!("{}: {error}", error.instance_path())).collect()
+}
+
+/// Agreeing, differing, cut short by a lost adapter whose driver says what XML cannot hold.
+fn reports() -> Vec<(&'static str, Report)> {
+    let mut lost = run(Box::new(Losing { gpu: gpu(), left: 1 }));
+    lost.subjects[1].failure = Some("lost: <\u{1b}[31m&\"gone\"\u{0}>]]>".to_owned());
+    lost.notes.push("</script><script>alert(1)</script>".to_owned());
+    vec![("agreeing", AGREEING.clone()), ("differing", DIFFERING.clone()), ("lost", lost)]
+}
+
+#[test]
+fn junit_is_valid_and_counts_what_the_report_says() {
+    for (name, report) in reports() {
+        let bytes = junit::xml(&report).expect("XML");
+        assert_eq!(invalid_junit(name, &bytes), "", "{name}");
+        let text = String::from_utf8(bytes).expect("UTF-8");
+        let (failures, errors) = (text.matches("<failure").count(), text.matches("<error").count());
+        match name {
+            "agreeing" => assert_eq!((failures, errors, text.matches("<testcase").count()), (0, 0, 3 + 6)),
+            // Both comparisons of each picture.
+            "differing" => assert_eq!((failures, errors), (6, 0)),
+            _ => assert_eq!((failures, errors), (0, 2)),
+        }
+        assert!(text.contains(&format!("failures=\"{failures}\" errors=\"{errors}\"")), "{text}");
+    }
+}
+
+#[test]
+fn the_junit_schema_refuses_what_is_wrong() {
+    let text = String::from_utf8(junit::xml(&AGREEING).expect("XML")).expect("UTF-8");
+    let wrong = [
+        ("no-name", text.replacen("<testcase name=", "<testcase nome=", 1)),
+        ("bad-time", text.replacen("time=\"", "time=\"soon", 1)),
+        ("stray-element", text.replacen("<properties>", "<verdict/><properties>", 1)),
+        ("cut-off", text[..text.len() / 2].to_owned()),
+    ];
+    for (name, document) in wrong {
+        assert_ne!(invalid_junit(name, document.as_bytes()), "", "{name}");
+    }
+}
+
+#[test]
+fn json_is_valid_and_reads_back_as_it_was() {
+    for (name, report) in reports() {
+        let document = serde_json::to_value(&report).expect("JSON");
+        assert_eq!(invalid_json(&document), [""; 0], "{name}");
+        let folder = folder(&format!("json-{name}"));
+        report.write(&folder).expect("a folder to write to");
+        assert_eq!(Report::read(&folder.join("report.json")).expect("readable"), report);
+    }
+}
+
+#[test]
+fn the_json_schema_refuses_what_is_wrong() {
+    let whole = serde_json::to_value(&*DIFFERING).expect("JSON");
+    let wrong: [(&str, Value); 7] = [
+        ("/schema", json!("other")),
+        ("/schema_version", json!(2)),
+        ("/cases/0/outcomes/0/pairs/0/covered", json!(-1)),
+        ("/cases/0/picture", json!("https://example.org/a.png")),
+        ("/cases/0/outcomes/1/pairs/0/worst/0/candidate", json!({"face": 0})),
+        ("/subjects/0/kind", json!("toaster")),
+        ("/shard", json!("1/3")),
+    ];
+    for (place, value) in wrong {
+        let mut document = whole.clone();
+        *document.pointer_mut(place).unwrap_or_else(|| panic!("no {place}")) = value;
+        assert!(!invalid_json(&document).is_empty(), "{place}");
+    }
+    let mut document = whole.clone();
+    document.as_object_mut().expect("an object").remove("planned");
+    assert!(!invalid_json(&document).is_empty(), "planned");
+}
+
+#[test]
+fn the_page_fetches_nothing_and_no_text_of_the_report_becomes_markup() {
+    for (name, report) in reports() {
+        let page = html::page(&report).expect("a page");
+        for outside in ["http://", "https://", "@import", "src=\"//"] {
+            let found = page.replace("http://www.w3.org/2000/svg", "");
+            assert!(!found.contains(outside), "{name}: {outside}");
+        }
+        assert_eq!((page.matches("<script").count(), page.matches("</script").count()), (2, 2), "{name}");
+    }
+}

@@ -1,0 +1,9 @@
+//! The conformance suite as a CI job meets it: complete, wrong, cut short, in parts; its documents and its page.
+
+mod browser;
+mod corpus;
+mod devtools;
+mod documents;
+mod faults;
+mod merging;
+mod setting;
