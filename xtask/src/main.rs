@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use xtask::{adapters, bench, bless, ci, compare, eval, info, kanai, pixel, render};
+use xtask::{adapters, bench, bless, ci, compare, eval, info, kanai, mutants, pixel, render};
 
 /// Isophote: NURBS surfaces, exact per pixel, three independent ways, and how far the three agree
 #[derive(Parser)]
@@ -20,6 +20,7 @@ enum Command {
     Pixel(pixel::PixelArgs),
     Info(info::InfoArgs),
     Kanai(kanai::KanaiArgs),
+    Mutants(mutants::MutantsArgs),
     Adapters(adapters::AdaptersArgs),
     Bench(bench::BenchArgs),
     Bless(bless::BlessArgs),
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Pixel(args) => pixel::run(&args),
         Command::Info(args) => done(info::run(&args)),
         Command::Kanai(args) => done(kanai::run(&args)),
+        Command::Mutants(args) => mutants::run(&args),
         Command::Adapters(args) => done(adapters::run(&args)),
         Command::Bench(args) => done(bench::run(&args)),
         Command::Bless(args) => done(bless::run(&args)),

@@ -17,6 +17,24 @@ pub const SHADE: &str = include_str!("../../../shaders/shade.wgsl");
 /// Vertex and fragment entry points.
 pub const ENTRY: &str = include_str!("../../../shaders/entry.wgsl");
 
+/// A file of `shaders/` that is part of a program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Part {
+    /// Its name.
+    pub file: &'static str,
+    /// Its text, which stands in a program as it is.
+    pub text: &'static str,
+}
+
+/// All parts of a program, in the order in which they are put together.
+pub const PARTS: &[Part] = &[
+    Part { file: "layout.wgsl", text: LAYOUT },
+    Part { file: "eval.wgsl", text: EVAL },
+    Part { file: "fragment.wgsl", text: FRAGMENT },
+    Part { file: "shade.wgsl", text: SHADE },
+    Part { file: "entry.wgsl", text: ENTRY },
+];
+
 /// What a program is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Variant {
@@ -30,7 +48,7 @@ pub struct Variant {
 
 /// The source of a variant. Entry points: `vertex`, `fragment_gbuffer`, `fragment_shaded`.
 pub fn source(variant: Variant) -> String {
-    [&prelude(variant), LAYOUT, EVAL, FRAGMENT, SHADE, ENTRY].concat()
+    PARTS.iter().fold(prelude(variant), |source, part| source + part.text)
 }
 
 fn prelude(variant: Variant) -> String {

@@ -1,0 +1,107 @@
+//! The scenes that mutants are shown on, cheap and telling ones first.
+
+use crate::stage::Plan;
+use gbuffer::ShadeKind;
+use glam::DVec3;
+use nurbs::{KnotVector, Surface};
+use pipeline::Scheme;
+use scene::{Camera, Face, Model, Projection, Viewport};
+
+/// A model, who looks, and how it is drawn.
+pub struct Shown {
+    /// What a mutant must not get wrong here.
+    pub name: &'static str,
+    /// What is drawn.
+    pub model: Model,
+    /// Who looks.
+    pub camera: Camera,
+    /// At how many pixels.
+    pub viewport: Viewport,
+    /// How it is drawn; the technique is set by who draws.
+    pub plan: Plan,
+    /// Cells of a uniform tessellation in place of one by chord error.
+    pub cells: Option<usize>,
+    /// What the picture shaded in the fragment stage shows.
+    pub shade: ShadeKind,
+    /// Whether that picture is shaded by normals interpolated from the vertices, and nothing else is judged.
+    pub vertex_normals: bool,
+}
+
+/// Side of the pictures.
+const SIDE: usize = 40;
+
+/// All of them, in the order in which a mutant meets them.
+pub fn scenes() -> Vec<Shown> {
+    vec![
+        Shown {
+            shade: ShadeKind::Gaussian,
+            ..framed("degrees 5 and 2", builtin("quintic-quadratic"), Scheme::General)
+        },
+        Shown { shade: ShadeKind::Zebra, ..framed("weights and knots", builtin("rational"), Scheme::Specialised) },
+        Shown {
+            shade: ShadeKind::Mean,
+            ..framed("reversed and rational", reversed(builtin("torus")), Scheme::General)
+        },
+        Shown { shade: ShadeKind::Face, ..framed("many faces", builtin("teapot"), Scheme::Specialised) },
+        Shown { shade: ShadeKind::Checker, ..framed("periodic knots", builtin("periodic"), Scheme::General) },
+        Shown { shade: ShadeKind::Phong, ..framed("degree 1", builtin("bilinear-quartic"), Scheme::General) },
+        Shown { shade: ShadeKind::Phong, ..framed("poles", builtin("sphere"), Scheme::Specialised) },
+        steep(),
+        edge_on_centres(),
+        vertex_normals(),
+    ]
+}
+
+fn builtin(name: &str) -> Model {
+    formats::builtin(name).expect("built in")
+}
+
+fn viewport() -> Viewport {
+    Viewport::new(SIDE, SIDE).expect("a legal size")
+}
+
+fn framed(name: &'static str, model: Model, scheme: Scheme) -> Shown {
+    let (viewport, plan) = (viewport(), Plan { scheme, chord_px: 0.5, ..Plan::default() });
+    let camera = Camera::framing(&model, viewport);
+    Shown { name, model, camera, viewport, plan, cells: None, shade: ShadeKind::Isophotes, vertex_normals: false }
+}
+
+/// The same surfaces, seen from their other side.
+fn reversed(model: Model) -> Model {
+    let faces = model.faces().iter().map(|face| Face { reversed: !face.reversed, ..face.clone() }).collect();
+    Model::new(model.name(), model.surfaces().to_vec(), faces).expect("as legal as before")
+}
+
+/// A flat bilinear square over [−1, 1]² with u along −x, so that u = 1 on its left edge in the picture.
+fn square() -> Model {
+    let knots = || KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).expect("legal");
+    let points = [(1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+    let surface = Surface::new(knots(), knots(), points.to_vec(), None).expect("legal");
+    Model::of_surfaces("square", vec![surface]).expect("one face")
+}
+
+/// Two large triangles seen at a steep angle: depth varies by a factor of ten within each.
+fn steep() -> Shown {
+    let projection = Projection::Perspective { fov_deg: 70.0 };
+    let camera = Camera::look_at(DVec3::new(0.0, -1.2, 0.35), DVec3::ZERO, DVec3::Z, projection).expect("legal");
+    Shown { camera, cells: Some(1), ..framed("steep perspective", square(), Scheme::General) }
+}
+
+/// The square's left edge runs exactly through a column of pixel centres.
+fn edge_on_centres() -> Shown {
+    let shift = DVec3::new(2.0 / SIDE as f64, 2.0 / SIDE as f64, 0.0);
+    let projection = Projection::Orthographic { height: 4.0 };
+    let camera = Camera::look_at(shift + DVec3::Z * 4.0, shift, DVec3::Y, projection).expect("legal");
+    Shown { camera, cells: Some(1), ..framed("the domain's end", square(), Scheme::General) }
+}
+
+/// A dome that fills the picture, cut coarsely, so that normals of its vertices are unlike those of its fragments.
+fn vertex_normals() -> Shown {
+    let model = builtin("unclamped");
+    let (center, size) = (model.hull().center(), model.hull().diagonal());
+    let projection = Projection::Perspective { fov_deg: 12.0 };
+    let eye = center + size * DVec3::new(0.1, -0.2, 1.0);
+    let camera = Camera::look_at(eye, center, DVec3::Y, projection).expect("legal");
+    let shown = framed("normals of vertices", model, Scheme::Specialised);
+    Shown { camera, cells: Some(4), shade: ShadeKind::Normal, vertex_normals: true, ..shown }
+}
