@@ -3,6 +3,7 @@
 use super::operator::{Site, sites};
 use pipeline::Program;
 use pipeline::wgsl::{self, PARTS, Part, Variant};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -84,12 +85,9 @@ impl Mutant {
         wgsl::source(variant).replacen(part.text, &changed, 1)
     }
 
-    /// Whether naga accepts it in the programs that are drawn.
+    /// Whether naga accepts it, in the program of the lowest degree: the one of the smallest arrays.
     fn compiles(&self) -> bool {
-        [Program::General, Program::Degree(3)].into_iter().all(|program| {
-            let variant = Variant { program, curvature: true, interpolated_normal: false };
-            is_legal(&self.source(variant))
-        })
+        is_legal(&self.source(Variant { program: Program::Degree(3), curvature: true, interpolated_normal: false }))
     }
 }
 
@@ -104,20 +102,25 @@ fn is_legal(source: &str) -> bool {
 /// All mutants of the parts of a program. At each site the first replacement that compiles makes the mutant; where
 /// none does, the first is stillborn.
 pub fn generate() -> Generated {
+    let all: Vec<(&Part, Site)> =
+        PARTS.iter().flat_map(|part| sites(part.text).into_iter().map(move |site| (part, site))).collect();
+    let born: Vec<(Mutant, bool)> = all
+        .par_iter()
+        .filter_map(|(part, site)| {
+            let candidates: Vec<Mutant> = site.replacements.iter().map(|text| Mutant::new(part, site, text)).collect();
+            match candidates.iter().position(Mutant::compiles) {
+                Some(legal) => Some((candidates[legal].clone(), true)),
+                None => Some((candidates.first()?.clone(), false)),
+            }
+        })
+        .collect();
     let mut generated = Generated::default();
-    for part in PARTS {
-        let mut counts: HashMap<Key, usize> = HashMap::new();
-        for site in sites(part.text) {
-            let mut candidates = site.replacements.iter().map(|text| Mutant::new(part, &site, text)).peekable();
-            let Some(first) = candidates.peek().cloned() else { continue };
-            let legal = candidates.find(Mutant::compiles);
-            let list = if legal.is_some() { &mut generated.mutants } else { &mut generated.stillborn };
-            let mut mutant = legal.unwrap_or(first);
-            let count = counts.entry(mutant.key.clone()).or_default();
-            mutant.key.nth = *count;
-            *count += 1;
-            list.push(mutant);
-        }
+    let mut counts: HashMap<Key, usize> = HashMap::new();
+    for (mut mutant, compiles) in born {
+        let count = counts.entry(mutant.key.clone()).or_default();
+        mutant.key.nth = *count;
+        *count += 1;
+        if compiles { generated.mutants.push(mutant) } else { generated.stillborn.push(mutant) }
     }
     generated
 }
