@@ -19,14 +19,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use worker::{Outcome, Worker};
-
-/// A scene may take this many times what the slowest of the sources as they are took, before it is called a hang.
-const PATIENCE: u32 = 8;
-
-/// And at least this long: another program may take the processor for a while.
-const LEAST_LIMIT: Duration = Duration::from_secs(5);
 
 /// Mutants tried at once: each worker's software GPU keeps two cores busy about half of the time.
 const DEFAULT_JOBS: usize = 2;
@@ -112,17 +106,15 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
 /// What becomes of each.
 fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
     let mut first = Worker::new(args.adapter.as_deref());
-    let (outcome, slowest) = first.outcome(None, None)?;
-    if let Outcome::Caught(catch) = outcome {
+    if let Outcome::Caught(catch) = first.outcome(None)? {
         bail!("the sources as they are do not agree on {}: {}: {}", catch.scene, catch.cause, catch.detail);
     }
-    let limit = (PATIENCE * slowest).max(LEAST_LIMIT);
     let bar = terminal::progress("mutants", mutants.len());
     let next = AtomicUsize::new(0);
     let found: Mutex<Vec<(usize, Result<Outcome>)>> = Mutex::new(vec![]);
     let work = |mut worker: Worker| {
         while let Some((index, mutant)) = Some(next.fetch_add(1, Relaxed)).and_then(|i| Some((i, mutants.get(i)?))) {
-            let outcome = worker.outcome(Some(mutant), Some(limit)).map(|(outcome, _)| outcome);
+            let outcome = worker.outcome(Some(mutant));
             let failed = outcome.is_err();
             found.lock().expect("no holder panics").push((index, outcome));
             bar.inc(1);

@@ -33,11 +33,11 @@ const SIDE: usize = 40;
 /// All of them, in the order in which a mutant meets them.
 pub fn scenes() -> Vec<Shown> {
     vec![
+        Shown { shade: ShadeKind::Zebra, ..framed("weights and knots", builtin("rational"), Scheme::Specialised) },
         Shown {
             shade: ShadeKind::Gaussian,
             ..framed("degrees 5 and 2", builtin("quintic-quadratic"), Scheme::General)
         },
-        Shown { shade: ShadeKind::Zebra, ..framed("weights and knots", builtin("rational"), Scheme::Specialised) },
         Shown {
             shade: ShadeKind::Mean,
             ..framed("reversed and rational", reversed(builtin("torus")), Scheme::General)
@@ -48,7 +48,9 @@ pub fn scenes() -> Vec<Shown> {
         Shown { shade: ShadeKind::Phong, ..framed("poles", builtin("sphere"), Scheme::Specialised) },
         steep(),
         edge_on_centres(),
-        vertex_normals(),
+        pole_on_a_centre(),
+        vertex_normals(ShadeKind::Normal),
+        vertex_normals(ShadeKind::Gaussian),
     ]
 }
 
@@ -95,13 +97,21 @@ fn edge_on_centres() -> Shown {
     Shown { camera, cells: Some(1), ..framed("the domain's end", square(), Scheme::General) }
 }
 
+/// The sphere's pole, whose normal is undefined in f32, lies exactly on a pixel's centre.
+fn pole_on_a_centre() -> Shown {
+    let projection = Projection::Orthographic { height: 2.5 };
+    let camera = Camera::look_at(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y, projection).expect("legal");
+    let viewport = Viewport::new(SIDE + 1, SIDE + 1).expect("a legal size");
+    Shown { camera, viewport, ..framed("a pole on a centre", builtin("sphere"), Scheme::General) }
+}
+
 /// A dome that fills the picture, cut coarsely, so that normals of its vertices are unlike those of its fragments.
-fn vertex_normals() -> Shown {
+fn vertex_normals(shade: ShadeKind) -> Shown {
     let model = builtin("unclamped");
     let (center, size) = (model.hull().center(), model.hull().diagonal());
     let projection = Projection::Perspective { fov_deg: 12.0 };
     let eye = center + size * DVec3::new(0.1, -0.2, 1.0);
     let camera = Camera::look_at(eye, center, DVec3::Y, projection).expect("legal");
     let shown = framed("normals of vertices", model, Scheme::Specialised);
-    Shown { camera, cells: Some(4), shade: ShadeKind::Normal, vertex_normals: true, ..shown }
+    Shown { camera, cells: Some(4), shade, vertex_normals: true, ..shown }
 }

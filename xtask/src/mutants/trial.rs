@@ -2,13 +2,14 @@
 
 use super::scenes::Shown;
 use crate::stage::Stage;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use compare::Verdict;
-use gbuffer::{GBuffer, Shading};
+use gbuffer::{GBuffer, Hit, Shading};
 use pipeline::Proxy;
 use pipeline::wgsl::{self, Variant};
 use raycast::Caster;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::cell::Cell;
 
 /// How a mutant was caught.
@@ -57,7 +58,11 @@ impl<'s> Trial<'s> {
             if buffer.covered() < shown.viewport.pixels() {
                 bail!("{}: the surface does not fill the picture", shown.name);
             }
-            buffer
+            // The GPU's program computes none either, and must say so.
+            let plain = |hit: Option<&Hit>| hit.map(|hit| Hit { curvature: None, ..*hit });
+            let hits: Vec<Option<Hit>> = buffer.pixels().map(plain).collect();
+            let rows = hits.chunks(shown.viewport.width()).map(<[_]>::to_vec);
+            GBuffer::from_rows(shown.viewport, stage.meta("raster"), rows)
         } else {
             stage.raycast(&caster)
         };
@@ -85,40 +90,44 @@ impl<'s> Trial<'s> {
         })
     }
 
+    /// The picture's G-buffer first, and only then, with a program of its own, what the fragment stage shades.
     fn judged(&self, device: &gpu::Device, overrides: gpu::Overrides) -> Result<Option<Catch>> {
+        let Stage { scene, proxy, views, camera, viewport, .. } = &self.stage;
         let shading = Shading::new(self.shown.shade);
-        let caught =
-            |cause: &str, detail: String| Catch { scene: self.shown.name.to_owned(), cause: cause.to_owned(), detail };
-        let (gbuffer, picture) = if self.shown.vertex_normals {
-            let options = gpu::RendererOptions { curvature: false, interpolated_normals: true, overrides };
-            let size = self.shown.model.hull().diagonal();
-            let uniform = shading.uniform(&self.stage.camera, size);
-            let picture = gpu::Renderer::new(device, &self.stage.scene, &self.stage.proxy, options)
-                .and_then(|mut renderer| renderer.shaded(&self.stage.views, &uniform, self.stage.viewport));
-            match picture {
-                Ok(picture) => (None, picture),
-                Err(error) => return Ok(Some(caught(REFUSED, error.to_string()))),
-            }
-        } else {
-            match self.stage.gpu(device, Some(&shading), overrides) {
-                Ok(drawn) => (Some(drawn.gbuffer), drawn.shaded.context("a shading was asked for")?),
-                Err(error) => return Ok(Some(caught(REFUSED, format!("{error:#}")))),
-            }
+        let uniform = shading.uniform(camera, self.shown.model.hull().diagonal());
+        let interpolated_normals = self.shown.vertex_normals;
+        let options = gpu::RendererOptions { curvature: !interpolated_normals, interpolated_normals, overrides };
+        let refused = |error: gpu::GpuError| Ok(Some(self.caught(REFUSED, error.to_string())));
+        let mut renderer = match gpu::Renderer::new(device, scene, proxy, options) {
+            Ok(renderer) => renderer,
+            Err(error) => return refused(error),
         };
-        if let Some(gbuffer) = &gbuffer {
-            let pair = self.stage.against_raycast(&self.caster, &self.reference, gbuffer)?;
+        let gbuffer = if self.shown.vertex_normals {
+            Cow::Borrowed(&self.reference)
+        } else {
+            let gbuffer = match renderer.gbuffer(views, camera, *viewport, self.stage.meta("gpu")) {
+                Ok(gbuffer) => gbuffer,
+                Err(error) => return refused(error),
+            };
+            let pair = self.stage.against_raycast(&self.caster, &self.reference, &gbuffer)?;
             if pair.verdict != Verdict::Agree {
                 let cause = pair.main_cause().map_or("none", |cause| cause.label());
                 let worst = pair.worst.first().map_or(String::new(), |p| format!("({}, {}): {}", p.x, p.y, p.detail));
-                return Ok(Some(caught(cause, worst)));
+                return Ok(Some(self.caught(cause, worst)));
             }
-        }
-        let judged = self.stage.judge_shading(&shading, gbuffer.as_ref().unwrap_or(&self.reference), &picture)?;
-        if judged.verdict != Verdict::Agree {
-            let detail = format!("{} of {} pixels, first {:?}", judged.differ, judged.covered, judged.first);
-            return Ok(Some(caught("shading", detail)));
-        }
-        Ok(None)
+            Cow::Owned(gbuffer)
+        };
+        let picture = match renderer.shaded(views, &uniform, *viewport) {
+            Ok(picture) => picture,
+            Err(error) => return refused(error),
+        };
+        let judged = self.stage.judge_shading(&shading, &gbuffer, &picture)?;
+        let detail = format!("{} of {} pixels, first {:?}", judged.differ, judged.covered, judged.first);
+        Ok((judged.verdict != Verdict::Agree).then(|| self.caught("shading", detail)))
+    }
+
+    fn caught(&self, cause: &str, detail: String) -> Catch {
+        Catch { scene: self.shown.name.to_owned(), cause: cause.to_owned(), detail }
     }
 }
 

@@ -2,7 +2,7 @@
 //! with its process.
 //!
 //! A worker reads one [`Job`] a line and answers with [`Word`]s: each scene as it begins, then the outcome. Where it
-//! is silent for too long, it is killed and the mutant counts as a hang; where it ends by itself, as a crash. The next
+//! computes for too long, it is killed and the mutant counts as a hang; where it ends by itself, as a crash. The next
 //! mutant gets a new one.
 
 use super::mutant::Mutant;
@@ -15,7 +15,24 @@ use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+/// Processor time after which a scene is called a hang: a sound one takes a second at most. What other programs take
+/// does not count.
+const CPU_LIMIT: Duration = Duration::from_secs(15);
+
+/// Time after which a scene is called a hang where the processor waits for a hardware GPU.
+const WALL_LIMIT: Duration = Duration::from_secs(300);
+
+/// How often a silent worker's processor time is looked at.
+const LOOK: Duration = Duration::from_millis(250);
+
+/// Ticks a second in which Linux counts processor time for its users.
+const TICKS: u64 = 100;
+
+/// What Mesa's software GPU is told: not to keep thousands of programs on disk, and, as each is drawn once, not to
+/// spend time on making it fast (a quarter of the time, measured on llvmpipe 25.0).
+const MESA: [(&str, &str); 2] = [("MESA_SHADER_CACHE_DISABLE", "true"), ("GALLIVM_PERF", "nopt")];
 
 /// What a worker is asked.
 #[derive(Debug, Serialize, Deserialize)]
@@ -131,55 +148,37 @@ impl Worker {
         Self { adapter: adapter.map(str::to_owned), running: None }
     }
 
-    /// What becomes of a mutant, or of the sources as they are; `None` means no limit on the time that a scene takes.
+    /// What becomes of a mutant, or of the sources as they are.
     ///
     /// # Errors
     /// Where a worker cannot be started or cannot judge.
-    pub fn outcome(&mut self, mutant: Option<&Mutant>, limit: Option<Duration>) -> Result<(Outcome, Duration)> {
+    pub fn outcome(&mut self, mutant: Option<&Mutant>) -> Result<Outcome> {
         if self.running.is_none() {
             self.running = Some(Running::start(self.adapter.as_deref())?);
         }
         let running = self.running.as_mut().expect("just started");
-        let mut slowest = Duration::ZERO;
         let asked = running.ask(&Job { mutant: mutant.cloned() });
         let mut scene = "start".to_owned();
-        let outcome = loop {
-            let began = std::time::Instant::now();
-            let word = match (&asked, limit) {
-                (Err(_), _) => Err(RecvTimeoutError::Disconnected),
-                (Ok(()), Some(limit)) => running.words.recv_timeout(limit),
-                (Ok(()), None) => running.words.recv().map_err(RecvTimeoutError::from),
-            };
-            slowest = slowest.max(began.elapsed());
-            let caught = |cause: &str, detail: &str| {
-                Outcome::Caught(Catch { scene: scene.clone(), cause: cause.to_owned(), detail: detail.to_owned() })
-            };
+        let (cause, detail) = loop {
+            let word = if asked.is_ok() { running.word() } else { Err(RecvTimeoutError::Disconnected) };
             match word {
                 Ok(Word::Scene(name)) => scene = name,
                 Ok(Word::Done(outcome)) => {
                     if matches!(&outcome, Outcome::Caught(catch) if catch.cause == REFUSED) {
-                        self.stop();
+                        self.running = None;
                     }
-                    break outcome;
+                    return Ok(outcome);
                 }
                 Ok(Word::Failed(message)) => bail!("on {scene}: {message}"),
-                Err(error) => {
-                    self.stop();
-                    if mutant.is_none() {
-                        bail!("a worker ended on {scene} with the sources as they are");
-                    }
-                    break match error {
-                        RecvTimeoutError::Timeout => caught("hang", "killed after the time limit"),
-                        RecvTimeoutError::Disconnected => caught("crash", "the process ended"),
-                    };
-                }
+                Err(RecvTimeoutError::Timeout) => break ("hang", "killed after the time limit"),
+                Err(RecvTimeoutError::Disconnected) => break ("crash", "the process ended"),
             }
         };
-        Ok((outcome, slowest))
-    }
-
-    fn stop(&mut self) {
         self.running = None;
+        if mutant.is_none() {
+            bail!("on {scene}, with the sources as they are: {cause}: {detail}");
+        }
+        Ok(Outcome::Caught(Catch { scene, cause: cause.to_owned(), detail: detail.to_owned() }))
     }
 }
 
@@ -187,7 +186,7 @@ impl Running {
     fn start(adapter: Option<&str>) -> Result<Self> {
         let program = std::env::current_exe().context("this program's own file")?;
         let mut command = Command::new(program);
-        command.args(["mutants", "--worker"]).stdin(Stdio::piped()).stdout(Stdio::piped());
+        command.args(["mutants", "--worker"]).envs(MESA).stdin(Stdio::piped()).stdout(Stdio::piped());
         if let Some(name) = adapter {
             command.args(["--adapter", name]);
         }
@@ -211,6 +210,31 @@ impl Running {
         self.input.write_all(line.as_bytes())?;
         Ok(self.input.flush()?)
     }
+}
+
+impl Running {
+    /// What it says next, or that it ended, or that it has computed for too long.
+    fn word(&self) -> Result<Word, RecvTimeoutError> {
+        let (began, spent) = (Instant::now(), cpu_time(self.child.id()));
+        loop {
+            match self.words.recv_timeout(LOOK) {
+                Err(RecvTimeoutError::Timeout) => {}
+                other => return other,
+            }
+            let cpu = cpu_time(self.child.id()).zip(spent).map(|(now, then)| now.saturating_sub(then));
+            if cpu.is_some_and(|cpu| cpu > CPU_LIMIT) || began.elapsed() > WALL_LIMIT {
+                return Err(RecvTimeoutError::Timeout);
+            }
+        }
+    }
+}
+
+/// The processor time of a process of this machine, where the system tells it as Linux does (proc(5), fields 14 and 15).
+fn cpu_time(process: u32) -> Option<Duration> {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    let mut fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let ticks: u64 = fields.next()?.parse::<u64>().ok()? + fields.next()?.parse::<u64>().ok()?;
+    Some(Duration::from_millis(ticks * 1000 / TICKS))
 }
 
 impl Drop for Running {
