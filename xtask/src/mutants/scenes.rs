@@ -47,8 +47,11 @@ pub fn scenes() -> Vec<Shown> {
         Shown { shade: ShadeKind::Phong, ..framed("degree 1", builtin("bilinear-quartic"), Scheme::General) },
         Shown { shade: ShadeKind::Phong, ..framed("poles", builtin("sphere"), Scheme::Specialised) },
         steep(),
-        edge_on_centres(),
+        edge_on_centres(false),
+        edge_on_centres(true),
         pole_on_a_centre(),
+        cusp("slow in u", false),
+        cusp("slow in v", true),
         vertex_normals(ShadeKind::Normal),
         vertex_normals(ShadeKind::Gaussian),
     ]
@@ -74,10 +77,14 @@ fn reversed(model: Model) -> Model {
     Model::new(model.name(), model.surfaces().to_vec(), faces).expect("as legal as before")
 }
 
-/// A flat bilinear square over [−1, 1]² with u along −x, so that u = 1 on its left edge in the picture.
-fn square() -> Model {
+/// A flat bilinear square over [−1, 1]² with u along −x and v along y, so that u = 1 on its left edge in the picture and
+/// v = 1 on its upper; where `mirrored`, both are 0 there.
+fn square(mirrored: bool) -> Model {
     let knots = || KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).expect("legal");
-    let points = [(1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+    let mut points = [(1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+    if mirrored {
+        points.reverse();
+    }
     let surface = Surface::new(knots(), knots(), points.to_vec(), None).expect("legal");
     Model::of_surfaces("square", vec![surface]).expect("one face")
 }
@@ -86,15 +93,19 @@ fn square() -> Model {
 fn steep() -> Shown {
     let projection = Projection::Perspective { fov_deg: 70.0 };
     let camera = Camera::look_at(DVec3::new(0.0, -1.2, 0.35), DVec3::ZERO, DVec3::Z, projection).expect("legal");
-    Shown { camera, cells: Some(1), ..framed("steep perspective", square(), Scheme::General) }
+    Shown { camera, cells: Some(1), ..framed("steep perspective", square(false), Scheme::General) }
 }
 
-/// The square's left edge runs exactly through a column of pixel centres.
-fn edge_on_centres() -> Shown {
-    let shift = DVec3::new(2.0 / SIDE as f64, 2.0 / SIDE as f64, 0.0);
+/// The square's left and upper edges run a thousandth of a pixel inside a row and a column of pixel centres. Corners that
+/// snap to 1/256 pixel cover those centres nevertheless, and interpolation there leaves the domain.
+fn edge_on_centres(mirrored: bool) -> Shown {
+    let pixel = 4.0 / SIDE as f64;
+    let shift = (0.5 + 1.0 / 1024.0) * pixel;
+    let target = DVec3::new(-shift, shift, 0.0);
     let projection = Projection::Orthographic { height: 4.0 };
-    let camera = Camera::look_at(shift + DVec3::Z * 4.0, shift, DVec3::Y, projection).expect("legal");
-    Shown { camera, cells: Some(1), ..framed("the domain's end", square(), Scheme::General) }
+    let camera = Camera::look_at(target + DVec3::Z * 4.0, target, DVec3::Y, projection).expect("legal");
+    let name = if mirrored { "the domain's start" } else { "the domain's end" };
+    Shown { camera, cells: Some(1), ..framed(name, square(mirrored), Scheme::General) }
 }
 
 /// The sphere's pole, whose normal is undefined in f32, lies exactly on a pixel's centre.
@@ -103,6 +114,31 @@ fn pole_on_a_centre() -> Shown {
     let camera = Camera::look_at(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y, projection).expect("legal");
     let viewport = Viewport::new(SIDE + 1, SIDE + 1).expect("a legal size");
     Shown { camera, viewport, ..framed("a pole on a centre", builtin("sphere"), Scheme::General) }
+}
+
+/// A diamond S(u, v) = v³ c(u) about its own centre, where f32 keeps every digit however near the centre it comes. The
+/// picture shows nothing but the places where |S_u| is between one and two times the length that counts as collapsed;
+/// u and v are exchanged where `transposed`.
+///
+/// In local units |S_u| = 2 √2 v³. The tessellation's first row of cells ends at v = 2⁻⁶, and is flat: |x| + |y| there is
+/// 2⁻¹² v, so that the band of |S_u| from 2⁻²⁰ to 2⁻¹⁹ is at |x| + |y| from 1.7e-6 to 2.1e-6.
+fn cusp(name: &'static str, transposed: bool) -> Shown {
+    let knots = |degree, knots: &[f64]| KnotVector::new(degree, knots.to_vec()).expect("legal");
+    let around = knots(1, &[0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0]);
+    let outward = knots(3, &[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+    let corners = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::X];
+    let surface = if transposed {
+        let rows = [DVec3::ZERO; 15].into_iter().chain(corners).collect();
+        Surface::new(outward, around, rows, None)
+    } else {
+        let rows = corners.into_iter().flat_map(|corner| [DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, corner]).collect();
+        Surface::new(around, outward, rows, None)
+    };
+    let model = Model::of_surfaces(name, vec![surface.expect("legal")]).expect("one face");
+    let target = DVec3::new(0.95e-6, 0.95e-6, 0.0);
+    let projection = Projection::Orthographic { height: 1.8e-7 };
+    let camera = Camera::look_at(target + DVec3::Z, target, DVec3::Y, projection).expect("legal");
+    Shown { camera, cells: Some(64), ..framed(name, model, Scheme::General) }
 }
 
 /// A dome that fills the picture, cut coarsely, so that normals of its vertices are unlike those of its fragments.

@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use compare::Verdict;
 use gbuffer::{GBuffer, Hit, Shading};
 use pipeline::Proxy;
+use pipeline::fragment::{Fragment, fragment};
 use pipeline::wgsl::{self, Variant};
 use raycast::Caster;
 use serde::{Deserialize, Serialize};
@@ -109,6 +110,13 @@ impl<'s> Trial<'s> {
                 Ok(gbuffer) => gbuffer,
                 Err(error) => return refused(error),
             };
+            let fragments = match renderer.fragments(views, *viewport) {
+                Ok(fragments) => fragments,
+                Err(error) => return refused(error),
+            };
+            if let Some(detail) = self.wrong_record(&fragments) {
+                return Ok(Some(self.caught("record", detail)));
+            }
             let pair = self.stage.against_raycast(&self.caster, &self.reference, &gbuffer)?;
             if pair.verdict != Verdict::Agree {
                 let cause = pair.main_cause().map_or("none", |cause| cause.label());
@@ -126,10 +134,34 @@ impl<'s> Trial<'s> {
         Ok((judged.verdict != Verdict::Agree).then(|| self.caught("shading", detail)))
     }
 
+    /// What no hit shows: parameters outside the domain, and spans, status and speeds unlike those of the program in Rust
+    /// at the same parameters.
+    fn wrong_record(&self, fragments: &[Option<Fragment>]) -> Option<String> {
+        let scene = &self.stage.scene;
+        let drawn = || fragments.iter().flatten().filter(|f| f.uv.iter().all(|t| (0.0..=1.0).contains(t)));
+        let expected: Vec<Fragment> = drawn().map(|f| fragment(scene, f.face, f.uv, false)).collect();
+        let fastest = expected.iter().flat_map(|f| f.speed).fold(0.0, f32::max);
+        let is_near = |a: f32, b: f32| (a - b).abs() <= SPEED_SHARE * fastest;
+        let outside = fragments.iter().flatten().find(|f| !f.uv.iter().all(|t| (0.0..=1.0).contains(t)));
+        let outside = outside.map(|f| format!("(u, v) = {:?} is outside the domain", f.uv));
+        outside.or_else(|| {
+            let (f, e) = drawn().zip(&expected).find(|(f, e)| {
+                let speeds = is_near(f.speed[0], e.speed[0]) && is_near(f.speed[1], e.speed[1]);
+                f.span != e.span || f.status != e.status || !speeds
+            })?;
+            let words = |f: &Fragment| format!("span {:?}, {:?}, speeds {:?}", f.span, f.status, f.speed);
+            Some(format!("at (u, v) = {:?}: {}, not {}", f.uv, words(f), words(e)))
+        })
+    }
+
     fn caught(&self, cause: &str, detail: String) -> Catch {
         Catch { scene: self.shown.name.to_owned(), cause: cause.to_owned(), detail }
     }
 }
+
+/// A speed may be off by this share of the greatest in the picture: far more than f32's rounding, far less than any
+/// mistake in computing it.
+const SPEED_SHARE: f32 = 1.0 / 1024.0;
 
 /// The cause where the GPU returns an error in place of a picture.
 pub const REFUSED: &str = "refused";
