@@ -34,9 +34,9 @@ const DEFAULT_JOBS: usize = 2;
 /// Exit code 0: all others were caught; 1: some survive, or the list is stale; 2: something could not run.
 #[derive(Debug, Args)]
 pub struct MutantsArgs {
-    /// Only mutants of this file, or of one line of it, as in eval.wgsl:27
+    /// Only mutants of this file, or of one line of it, as in eval.wgsl:27; may be given several times
     #[arg(long, value_name = "FILE[:LINE]")]
-    at: Option<String>,
+    at: Vec<String>,
     /// Try this many, drawn by chance from those that are not on the reviewed list
     #[arg(long, value_name = "N")]
     sample: Option<usize>,
@@ -75,10 +75,7 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
     let reviewed = record::reviewed()?;
     let Generated { mutants, stillborn } = generate();
     let unknown = report::unknown(&reviewed, &mutants);
-    let mut chosen = mutants.clone();
-    if let Some(at) = &args.at {
-        chosen = at_place(chosen, at)?;
-    }
+    let mut chosen = if args.at.is_empty() { mutants.clone() } else { at_places(&mutants, &args.at)? };
     if let Some(count) = args.sample {
         let is_reviewed = |m: &Mutant| reviewed.iter().any(|group| group.mutants.contains(&m.key));
         chosen.retain(|m| !is_reviewed(m));
@@ -139,19 +136,23 @@ fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
     found.into_iter().map(pair).collect()
 }
 
-/// Those at FILE or FILE:LINE.
-fn at_place(mutants: Vec<Mutant>, at: &str) -> Result<Vec<Mutant>> {
-    let (file, line) = match at.split_once(':') {
-        Some((file, line)) => {
-            (file, Some(line.parse::<usize>().with_context(|| format!("--at {at:?}: {line:?} is no line"))?))
+/// Those at any FILE or FILE:LINE.
+fn at_places(mutants: &[Mutant], places: &[String]) -> Result<Vec<Mutant>> {
+    let mut chosen = vec![];
+    for place in places {
+        let (file, line) = match place.split_once(':') {
+            Some((file, line)) => {
+                (file, Some(line.parse::<usize>().with_context(|| format!("--at {place:?}: {line:?} is no line"))?))
+            }
+            None => (place.as_str(), None),
+        };
+        let is_there = |m: &&Mutant| m.key.file == file && line.is_none_or(|line| line == m.line);
+        let before = chosen.len();
+        chosen.extend(mutants.iter().filter(is_there).cloned());
+        if chosen.len() == before {
+            let files: Vec<&str> = pipeline::wgsl::PARTS.iter().map(|part| part.file).collect();
+            bail!("--at {place:?}: no mutant is there; the files are {}", files.join(", "));
         }
-        None => (at, None),
-    };
-    let is_there = |m: &Mutant| m.key.file == file && line.is_none_or(|line| line == m.line);
-    let chosen: Vec<Mutant> = mutants.into_iter().filter(is_there).collect();
-    if chosen.is_empty() {
-        let files: Vec<&str> = pipeline::wgsl::PARTS.iter().map(|part| part.file).collect();
-        bail!("--at {at:?}: no mutant is there; the files are {}", files.join(", "));
     }
     Ok(chosen)
 }
