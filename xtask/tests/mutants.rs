@@ -14,7 +14,8 @@ fn json(output: &Output) -> Value {
 
 #[test]
 fn twelve_mutants_drawn_by_chance_are_all_caught() {
-    let output = mutants(&["--sample", "12", "--seed", "7"]);
+    let program = ["--at", "eval.wgsl", "--at", "fragment.wgsl", "--at", "entry.wgsl"];
+    let output = mutants(&[&program[..], &["--sample", "12", "--seed", "7"]].concat());
     let report = json(&output);
     assert_eq!((&report["tried"], &report["caught"]), (&12.into(), &12.into()), "{report:#}");
     assert_eq!(output.status.code(), Some(0), "{report:#}");
@@ -22,8 +23,10 @@ fn twelve_mutants_drawn_by_chance_are_all_caught() {
 
 #[test]
 fn a_mutant_that_computes_the_same_survives_by_its_written_reason_alone() {
-    // A tangential part of S_uu does not reach the curvature.
-    let output = mutants(&["--at", "eval.wgsl:115"]);
+    // Turning e2 round changes signs that are squared.
+    let line = pipeline::wgsl::EVAL.lines().position(|line| line.contains("let e2 = cross(n, e1);"));
+    let place = format!("eval.wgsl:{}", line.expect("the line is there") + 1);
+    let output = mutants(&["--at", &place]);
     let report = json(&output);
     assert_eq!(output.status.code(), Some(0), "{report:#}");
     assert!(report["reviewed"]["equivalent"].as_u64() > Some(0), "{report:#}");

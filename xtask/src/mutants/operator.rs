@@ -451,7 +451,8 @@ mod tests {
             "if (a.x < 1u) { x = select(b, c, false); }",
         ];
         assert_eq!(found, expected);
-        assert_eq!(changed("let n = cross(d.su, w);"), ["let n = cross(w, d.su);", "let n = cross(d.sv, w);"]);
+        let found = changed("let n = cross(d.su, w);");
+        assert_eq!(found, ["let n = cross(w, d.su);", "let n = cross(v.su, w);", "let n = cross(d.sv, w);"]);
     }
 
     #[test]
