@@ -30,7 +30,8 @@ fn vertex(in: VertexInput) -> VertexOutput {
 
 @fragment
 fn fragment_gbuffer(in: VertexOutput) -> GBufferOutput {
-    return gbuffer_output(in.face, fragment(in.face, in.uv));
+    let f = fragment(in.face, in.uv);
+    return gbuffer_output(in.face, f);
 }
 
 @fragment

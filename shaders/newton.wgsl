@@ -198,7 +198,8 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> End {
         let longest = max(abs(step.x), abs(step.y));
         let bend = longest * longest;
         let recedes = dot(best.recedes, step);
-        let is_last = bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
+        let is_last = piece.patience == 0u
+            && bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
             && recedes * recedes * best.squared <= FINE_PX * FINE_PX
             && left_squared(best, step) <= FINE_PX * FINE_PX;
         if (is_last) {

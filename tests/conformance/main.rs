@@ -1,8 +1,8 @@
 //! What a user would lose: twins, three-way agreement, goldens, oracles, the comparer itself, and the command line.
 
 mod arrows;
+mod attribution;
 mod evaluation;
-mod faults;
 mod foreign;
 mod golden;
 mod judging;

@@ -12,6 +12,7 @@ pub mod eval;
 pub mod format;
 pub mod info;
 pub mod kanai;
+pub mod mutants;
 pub mod pixel;
 pub mod render;
 pub mod scene;

@@ -32,13 +32,18 @@ impl<'m> Attribution<'m> {
 
     /// The cause of a position that is `excess` half-widths away from S at its own (u, v).
     ///
-    /// In this order: not finite, u and v exchanged (a net read by columns gives the same point on a face whose two
-    /// knot vectors are alike, with the opposite normal), quotient missing, nearly right, another span, net
-    /// transposed, another face, the domain's end (whose span is a case of its own), unexplained.
+    /// In this order: not finite (or, where nothing of the hit is a number, a slip beyond the knots), u and v exchanged
+    /// (a net read by columns gives the same point on a face whose two knot vectors are alike, with the opposite
+    /// normal), quotient missing, nearly right, another span, net transposed, another face, the domain's end (whose
+    /// span is a case of its own), unexplained.
     pub fn of_position(&self, hit: &Hit, excess: f64) -> Cause {
         let surface = self.model.surface(hit.face);
         if !hit.position.is_finite() || !hit.uv.is_finite() {
-            return if hit.uv.is_finite() && on_outermost_span(surface, hit) { Cause::Span } else { Cause::NotFinite };
+            // Past the knots every basis function is lost, and with them the normal; one that is sound clears the span.
+            let is_lost = hit.position.to_array().iter().all(|x| !x.is_finite())
+                && !hit.normal.unit().is_some_and(DVec3::is_finite);
+            let is_slip = hit.uv.is_finite() && is_lost && on_outermost_span(surface, hit);
+            return if is_slip { Cause::Span } else { Cause::NotFinite };
         }
         let [[u0, u1], [v0, v1]] = surface.domain();
         let near = |s: DVec3| s.distance(hit.position) <= MATCH_SHARE * surface.hull().diagonal();

@@ -14,7 +14,8 @@
 //!   that border the search slides along. A
 //!   step that brings the offset no nearer to zero is halved, up to [`HALVINGS`] times.
 //! * **End.** Where the step is so short that it is as good as exact: it is taken and not evaluated, for what it leaves
-//!   is quadratic in it and bounded by how far a piece turns ([`LAST_BEND_PX`]) and recedes. Or where the tangent plane, followed as far as
+//!   is quadratic in it and bounded by how far a piece turns ([`LAST_BEND_PX`]) and recedes; on a twisted piece only an
+//!   offset that was evaluated counts. Or where the tangent plane, followed as far as
 //!   the step may go, brings the offset not even to half ([`PROMISE`]): it has a minimum there that is no zero, or the
 //!   ray passes the piece; where the piece is seen edge-on, or a collapsed edge twists it, the search has some
 //!   [patience](PieceRecord::patience). Or after
@@ -293,7 +294,8 @@ fn search<const CAPACITY: usize>(
         let longest = step[0].abs().max(step[1].abs());
         let bend = longest * longest;
         let recedes = best.recedes[0] * step[0] + best.recedes[1] * step[1];
-        let is_last = bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
+        let is_last = piece.patience == 0
+            && bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
             && recedes * recedes * best.squared <= FINE_PX * FINE_PX
             && left_squared(&best, step) <= FINE_PX * FINE_PX;
         if is_last {

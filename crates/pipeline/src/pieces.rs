@@ -123,23 +123,21 @@ fn nearly_flat(patch: &BezierPatch) -> Vec<BezierPatch> {
     flat
 }
 
-/// Whether a derivative changes along the other parameter by more than [`TURN`] of its own least length.
+/// Whether a derivative differs from its mean by more than [`TURN`] of its own least length somewhere.
 fn is_twisted(patch: &BezierPatch) -> bool {
     let [p, q] = patch.degree;
     let at = |i: usize, j: usize| {
         let c = patch.control[i * (q + 1) + j];
         c.truncate() / c.w
     };
-    let across = |i: usize, j: usize| at(i + 1, j) - at(i, j);
-    let along = |i: usize, j: usize| at(i, j + 1) - at(i, j);
-    let rows = |i: usize| (0..=q).map(move |j| across(i, j));
-    let columns = |j: usize| (0..=p).map(move |i| along(i, j));
-    let changes = |differences: Vec<DVec3>| {
+    let varies = |differences: Vec<DVec3>| {
         let least = differences.iter().fold(f64::INFINITY, |m: f64, d| m.min(d.length()));
-        let (first, last) = (differences[0], differences[differences.len() - 1]);
-        first.distance(last) > TURN * least
+        let mean = differences.iter().sum::<DVec3>() / differences.len() as f64;
+        differences.iter().any(|d| d.distance(mean) > TURN * least)
     };
-    (0..p).any(|i| changes(rows(i).collect())) || (0..q).any(|j| changes(columns(j).collect()))
+    let grid = |rows: usize, columns: usize| (0..rows).flat_map(move |i| (0..columns).map(move |j| (i, j)));
+    varies(grid(p, q + 1).map(|(i, j)| at(i + 1, j) - at(i, j)).collect())
+        || varies(grid(p + 1, q).map(|(i, j)| at(i, j + 1) - at(i, j)).collect())
 }
 
 /// How far the control polygons turn along u and v, about, in radians; twist counts for both.

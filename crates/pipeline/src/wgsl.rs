@@ -24,6 +24,29 @@ pub const NEWTON: &str = include_str!("../../../shaders/newton.wgsl");
 /// Entry points of technique `exact`.
 pub const ENTRY_EXACT: &str = include_str!("../../../shaders/entry_exact.wgsl");
 
+/// A file of `shaders/` that is part of a program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Part {
+    /// The technique whose programs alone have it, or all of them.
+    pub of: Option<Technique>,
+    /// Its name.
+    pub file: &'static str,
+    /// Its text, which stands in a program as it is.
+    pub text: &'static str,
+}
+
+/// All parts of a program, in the order in which they are put together.
+pub const PARTS: &[Part] = &[
+    Part { of: None, file: "layout.wgsl", text: LAYOUT },
+    Part { of: None, file: "eval.wgsl", text: EVAL },
+    Part { of: None, file: "fragment.wgsl", text: FRAGMENT },
+    Part { of: None, file: "shade.wgsl", text: SHADE },
+    Part { of: None, file: "output.wgsl", text: OUTPUT },
+    Part { of: Some(Technique::Fragment), file: "entry.wgsl", text: ENTRY },
+    Part { of: Some(Technique::Exact), file: "newton.wgsl", text: NEWTON },
+    Part { of: Some(Technique::Exact), file: "entry_exact.wgsl", text: ENTRY_EXACT },
+];
+
 /// What a program is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Variant {
@@ -40,12 +63,8 @@ pub struct Variant {
 
 /// The source of a variant. Entry points: `vertex`, `fragment_gbuffer`, `fragment_shaded`.
 pub fn source(variant: Variant) -> String {
-    let prelude = prelude(variant);
-    let entry: &[&str] = match variant.technique {
-        Technique::Fragment => &[ENTRY],
-        Technique::Exact => &[NEWTON, ENTRY_EXACT],
-    };
-    [&[prelude.as_str(), LAYOUT, EVAL, FRAGMENT, SHADE, OUTPUT], entry].concat().concat()
+    let parts = PARTS.iter().filter(|part| part.of.is_none_or(|technique| technique == variant.technique));
+    parts.fold(prelude(variant), |source, part| source + part.text)
 }
 
 fn prelude(variant: Variant) -> String {

@@ -1,0 +1,175 @@
+//! `mutants`: changes the WGSL in one small place after the other and counts the changes that the comparison catches.
+
+pub mod mutant;
+pub mod operator;
+pub mod record;
+pub mod report;
+pub mod scenes;
+pub mod token;
+pub mod trial;
+pub mod worker;
+
+use crate::format::Format;
+use crate::terminal;
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use mutant::{Generated, Mutant, generate};
+use report::{Report, Tried};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::Instant;
+use worker::{Outcome, Worker};
+
+/// Mutants tried at once: each worker's software GPU keeps two cores busy about half of the time.
+const DEFAULT_JOBS: usize = 2;
+
+/// Change the WGSL in one place after the other, and see whether the comparison catches each change
+///
+/// Mutants are generated from the shaders' own text: operators, constants, comparisons, indices, variables, components,
+/// statements. Each that compiles is drawn by the GPU on a list of scenes and judged by the ray caster, until one
+/// scene catches it. Mutants that nothing can catch stand with their reasons in testdata/mutants/reviewed.json.
+///
+/// Exit code 0: all others were caught; 1: some survive, or the list is stale; 2: something could not run.
+#[derive(Debug, Args)]
+pub struct MutantsArgs {
+    /// Only mutants of this file, or of one line of it, as in eval.wgsl:27; may be given several times
+    #[arg(long, value_name = "FILE[:LINE]")]
+    at: Vec<String>,
+    /// Try this many, drawn by chance from those that are not on the reviewed list
+    #[arg(long, value_name = "N")]
+    sample: Option<usize>,
+    /// What the chance starts from
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// List the mutants and try none
+    #[arg(long)]
+    list: bool,
+    /// Mutants tried at once, each in a process of its own
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_JOBS)]
+    jobs: usize,
+    /// Part of the GPU adapter's name [default: a hardware one, else a software one]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Write mutants.json, with what became of each, to this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// For people or for machines
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Answer jobs on standard input: how the command runs itself
+    #[arg(long, hide = true)]
+    worker: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where there is no adapter, the sources as they are do not agree, or a file cannot be read or written.
+pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
+    if args.worker {
+        worker::serve(args.adapter.as_deref())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let reviewed = record::reviewed()?;
+    let Generated { mutants, stillborn } = generate();
+    let unknown = report::unknown(&reviewed, &mutants);
+    let mut chosen = if args.at.is_empty() { mutants.clone() } else { at_places(&mutants, &args.at)? };
+    if let Some(count) = args.sample {
+        let is_reviewed = |m: &Mutant| reviewed.iter().any(|group| group.mutants.contains(&m.key));
+        chosen.retain(|m| !is_reviewed(m));
+        chosen = sample(chosen, count, args.seed);
+    }
+    if args.list {
+        report::list(&chosen, args.format)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let began = Instant::now();
+    let tried = tried(chosen, args)?;
+    let report = Report::new(mutants.len(), stillborn, tried, &reviewed, unknown, began.elapsed());
+    if let Some(folder) = &args.out {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        let path = folder.join("mutants.json");
+        std::fs::write(&path, serde_json::to_string_pretty(&report)?).with_context(|| path.display().to_string())?;
+    }
+    match args.format {
+        Format::Json => println!("{}", serde_json::to_string(&report)?),
+        Format::Table => report.print(),
+    }
+    Ok(ExitCode::from(if report.is_proof() { 0 } else { 1 }))
+}
+
+/// What becomes of each.
+fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
+    let mut first = Worker::new(args.adapter.as_deref());
+    if let Outcome::Caught(catch) = first.outcome(None)? {
+        bail!("the sources as they are do not agree on {}: {}: {}", catch.scene, catch.cause, catch.detail);
+    }
+    let bar = terminal::progress("mutants", mutants.len());
+    let next = AtomicUsize::new(0);
+    let found: Mutex<Vec<(usize, Result<Outcome>)>> = Mutex::new(vec![]);
+    let work = |mut worker: Worker| {
+        while let Some((index, mutant)) = Some(next.fetch_add(1, Relaxed)).and_then(|i| Some((i, mutants.get(i)?))) {
+            let outcome = worker.outcome(Some(mutant));
+            let failed = outcome.is_err();
+            found.lock().expect("no holder panics").push((index, outcome));
+            bar.inc(1);
+            if failed {
+                next.store(mutants.len(), Relaxed);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..args.jobs {
+            scope.spawn(|| work(Worker::new(args.adapter.as_deref())));
+        }
+        work(first);
+    });
+    let mut found = found.into_inner().expect("no holder panicked");
+    found.sort_by_key(|(index, _)| *index);
+    let pair = |(index, outcome): (usize, Result<Outcome>)| {
+        let mutant: &Mutant = &mutants[index];
+        let outcome = outcome.with_context(|| format!("{}:{}", mutant.key.file, mutant.line))?;
+        Ok(Tried { mutant: mutant.clone(), outcome })
+    };
+    found.into_iter().map(pair).collect()
+}
+
+/// Those at any FILE or FILE:LINE.
+fn at_places(mutants: &[Mutant], places: &[String]) -> Result<Vec<Mutant>> {
+    let mut chosen = vec![];
+    for place in places {
+        let (file, line) = match place.split_once(':') {
+            Some((file, line)) => {
+                (file, Some(line.parse::<usize>().with_context(|| format!("--at {place:?}: {line:?} is no line"))?))
+            }
+            None => (place.as_str(), None),
+        };
+        let is_there = |m: &&Mutant| m.key.file == file && line.is_none_or(|line| line == m.line);
+        let before = chosen.len();
+        chosen.extend(mutants.iter().filter(is_there).cloned());
+        if chosen.len() == before {
+            let files: Vec<&str> = pipeline::wgsl::PARTS.iter().map(|part| part.file).collect();
+            bail!("--at {place:?}: no mutant is there; the files are {}", files.join(", "));
+        }
+    }
+    Ok(chosen)
+}
+
+/// `count` of them by chance (SplitMix64), in their own order.
+fn sample(mutants: Vec<Mutant>, count: usize, seed: u64) -> Vec<Mutant> {
+    let mut state = seed;
+    let mut random = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    };
+    let mut drawn: Vec<(u64, usize)> = (0..mutants.len()).map(|index| (random(), index)).collect();
+    drawn.sort_unstable();
+    drawn.truncate(count);
+    drawn.sort_by_key(|&(_, index)| index);
+    drawn.into_iter().map(|(_, index)| mutants[index].clone()).collect()
+}

@@ -1,0 +1,160 @@
+//! Mutants: one small change each, generated from the WGSL, and which of them are legal.
+
+use super::operator::{Site, sites};
+use pipeline::Program;
+use pipeline::wgsl::{self, PARTS, Part, Variant};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+
+/// What a mutant is known by as long as its line stays as it is, wherever it moves.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Key {
+    /// File in `shaders/`.
+    pub file: String,
+    /// The function, or the constant, that is changed.
+    pub function: String,
+    /// The line without its indentation.
+    pub line: String,
+    /// Where in it the change begins, characters from 0.
+    pub at: usize,
+    /// The mutation operator.
+    pub operator: String,
+    /// What stands there.
+    pub original: String,
+    /// What is put there.
+    pub replacement: String,
+    /// Which of several alike in one function.
+    #[serde(default)]
+    pub nth: usize,
+}
+
+/// A change of the source.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Mutant {
+    /// What it is known by.
+    pub key: Key,
+    /// Line in the file, from 1.
+    pub line: usize,
+    /// Column in the line, from 1.
+    pub column: usize,
+    /// First byte of what is replaced.
+    pub start: usize,
+    /// The byte after it.
+    pub end: usize,
+}
+
+/// All mutants of the sources.
+#[derive(Debug, Clone, Default)]
+pub struct Generated {
+    /// Those that compile.
+    pub mutants: Vec<Mutant>,
+    /// Those that do not.
+    pub stillborn: Vec<Mutant>,
+}
+
+impl Mutant {
+    fn new(part: &Part, site: &Site, replacement: &str) -> Self {
+        let before = &part.text[..site.range.start];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = part.text[line_start..].lines().next().unwrap_or_default();
+        let indentation = line.len() - line.trim_start().len();
+        let key = Key {
+            file: part.file.to_owned(),
+            function: site.function.clone(),
+            line: line.trim().to_owned(),
+            at: (site.range.start - line_start).saturating_sub(indentation),
+            operator: site.operator.to_owned(),
+            original: part.text[site.range.clone()].to_owned(),
+            replacement: replacement.to_owned(),
+            nth: 0,
+        };
+        Self {
+            key,
+            line: before.matches('\n').count() + 1,
+            column: site.range.start - line_start + 1,
+            start: site.range.start,
+            end: site.range.end,
+        }
+    }
+
+    /// The source of a variant with this change; as it is, where the variant does not hold the changed file.
+    pub fn source(&self, variant: Variant) -> String {
+        let part = self.part();
+        let changed = [&part.text[..self.start], &self.key.replacement, &part.text[self.end..]].concat();
+        wgsl::source(variant).replacen(part.text, &changed, 1)
+    }
+
+    fn part(&self) -> &'static Part {
+        PARTS.iter().find(|part| part.file == self.key.file).expect("mutants are made of the parts")
+    }
+
+    /// Whether naga accepts it, in the program of the lowest degree: the one of the smallest arrays.
+    fn compiles(&self) -> bool {
+        let technique = self.part().of.unwrap_or_default();
+        let program = Program::Degree(3);
+        is_legal(&self.source(Variant { technique, program, curvature: true, interpolated_normal: false }))
+    }
+}
+
+/// Whether a program parses and validates.
+fn is_legal(source: &str) -> bool {
+    let capabilities = naga::valid::Capabilities::default();
+    naga::front::wgsl::parse_str(source).is_ok_and(|module| {
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities).validate(&module).is_ok()
+    })
+}
+
+/// All mutants of the parts of a program. At each site the first replacement that compiles makes the mutant; where
+/// none does, the first is stillborn.
+pub fn generate() -> Generated {
+    let all: Vec<(&Part, Site)> =
+        PARTS.iter().flat_map(|part| sites(part.text).into_iter().map(move |site| (part, site))).collect();
+    let born: Vec<(Mutant, bool)> = all
+        .par_iter()
+        .filter_map(|(part, site)| {
+            let candidates: Vec<Mutant> = site.replacements.iter().map(|text| Mutant::new(part, site, text)).collect();
+            match candidates.iter().position(Mutant::compiles) {
+                Some(legal) => Some((candidates[legal].clone(), true)),
+                None => Some((candidates.first()?.clone(), false)),
+            }
+        })
+        .collect();
+    let mut generated = Generated::default();
+    let mut counts: HashMap<Key, usize> = HashMap::new();
+    for (mut mutant, compiles) in born {
+        let count = counts.entry(mutant.key.clone()).or_default();
+        mutant.key.nth = *count;
+        *count += 1;
+        if compiles { generated.mutants.push(mutant) } else { generated.stillborn.push(mutant) }
+    }
+    generated
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sources_are_legal_and_a_mutant_changes_what_it_says() {
+        let variant = Variant { program: Program::General, curvature: true, interpolated_normal: false };
+        let sound = wgsl::source(variant);
+        assert!(is_legal(&sound));
+        let generated = generate();
+        assert!(generated.mutants.len() >= 60, "{}", generated.mutants.len());
+        for mutant in &generated.mutants {
+            let text = PARTS.iter().find(|part| part.file == mutant.key.file).unwrap().text;
+            assert_eq!(text[mutant.start..mutant.end], mutant.key.original);
+            let line = text.lines().nth(mutant.line - 1).unwrap();
+            assert!(line[mutant.column - 1..].starts_with(mutant.key.original.lines().next().unwrap()), "{mutant:?}");
+            assert_ne!(mutant.source(variant), sound, "{mutant:?}");
+        }
+    }
+
+    #[test]
+    fn keys_tell_all_mutants_apart() {
+        let generated = generate();
+        let keys: std::collections::HashSet<_> = generated.mutants.iter().map(|m| &m.key).collect();
+        assert_eq!(keys.len(), generated.mutants.len());
+    }
+}

@@ -1,0 +1,190 @@
+//! What became of the mutants, for people and for machines.
+
+use super::mutant::{Key, Mutant};
+use super::record::{Group, Kind};
+use super::worker::Outcome;
+use crate::format::Format;
+use anyhow::Result;
+use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// A mutant and what became of it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Tried {
+    /// The change.
+    #[serde(flatten)]
+    pub mutant: Mutant,
+    /// What became of it.
+    pub outcome: Outcome,
+}
+
+/// A run.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// Mutants generated that compile.
+    pub generated: usize,
+    /// Mutants that do not compile; they do not count.
+    pub stillborn: usize,
+    /// Mutants tried.
+    pub tried: usize,
+    /// Of these, caught.
+    pub caught: usize,
+    /// Survivors that are on the reviewed list, by kind of reason.
+    pub reviewed: BTreeMap<Kind, usize>,
+    /// Survivors that are not.
+    pub survivors: Vec<Mutant>,
+    /// Mutants on the reviewed list that were caught: their reason is wrong.
+    pub refuted: Vec<Key>,
+    /// Entries of the reviewed list that no mutant matches: the source has changed.
+    pub unknown: Vec<Key>,
+    /// Caught mutants by scene.
+    pub by_scene: BTreeMap<String, usize>,
+    /// Caught mutants by the cause that was named.
+    pub by_cause: BTreeMap<String, usize>,
+    /// Tried and caught mutants by operator.
+    pub by_operator: BTreeMap<String, [usize; 2]>,
+    /// Tried and caught mutants by file.
+    pub by_file: BTreeMap<String, [usize; 2]>,
+    /// Seconds that the trials took.
+    pub seconds: f64,
+    /// Each mutant and what became of it.
+    pub mutants: Vec<Tried>,
+}
+
+/// Entries of the list that match no mutant.
+pub fn unknown(reviewed: &[Group], mutants: &[Mutant]) -> Vec<Key> {
+    let keys = reviewed.iter().flat_map(|group| &group.mutants);
+    keys.filter(|key| !mutants.iter().any(|m| m.key == **key)).cloned().collect()
+}
+
+impl Report {
+    /// Adds up a run.
+    pub fn new(
+        generated: usize,
+        stillborn: Vec<Mutant>,
+        tried: Vec<Tried>,
+        reviewed: &[Group],
+        unknown: Vec<Key>,
+        time: Duration,
+    ) -> Self {
+        let mut report = Self {
+            generated,
+            stillborn: stillborn.len(),
+            tried: tried.len(),
+            caught: 0,
+            reviewed: BTreeMap::new(),
+            survivors: vec![],
+            refuted: vec![],
+            unknown,
+            by_scene: BTreeMap::new(),
+            by_cause: BTreeMap::new(),
+            by_operator: BTreeMap::new(),
+            by_file: BTreeMap::new(),
+            seconds: time.as_secs_f64(),
+            mutants: vec![],
+        };
+        for Tried { mutant, outcome } in &tried {
+            let group = reviewed.iter().find(|group| group.mutants.contains(&mutant.key));
+            let caught = matches!(outcome, Outcome::Caught(_));
+            let counts = [
+                report.by_operator.entry(mutant.key.operator.clone()).or_default(),
+                report.by_file.entry(mutant.key.file.clone()).or_default(),
+            ];
+            for [all, of_them] in counts {
+                *all += 1;
+                *of_them += usize::from(caught);
+            }
+            match (outcome, group) {
+                (Outcome::Caught(catch), group) => {
+                    report.caught += 1;
+                    *report.by_scene.entry(catch.scene.clone()).or_default() += 1;
+                    *report.by_cause.entry(catch.cause.clone()).or_default() += 1;
+                    report.refuted.extend(group.map(|_| mutant.key.clone()));
+                }
+                (Outcome::Survived(_), Some(group)) => *report.reviewed.entry(group.kind).or_default() += 1,
+                (Outcome::Survived(_), None) => report.survivors.push(mutant.clone()),
+            }
+        }
+        report.mutants = tried;
+        report
+    }
+
+    /// Whether every mutant that can be caught was, and the reviewed list holds.
+    pub fn is_proof(&self) -> bool {
+        self.tried > 0 && self.survivors.is_empty() && self.refuted.is_empty() && self.unknown.is_empty()
+    }
+
+    /// The report for people.
+    pub fn print(&self) {
+        println!(
+            "{} mutants compile ({} do not); {} tried in {:.0} s: {} caught, {} equivalent, {} permitted, {} survive",
+            self.generated,
+            self.stillborn,
+            self.tried,
+            self.seconds,
+            self.caught,
+            self.reviewed.get(&Kind::Equivalent).unwrap_or(&0),
+            self.reviewed.get(&Kind::Permitted).unwrap_or(&0),
+            self.survivors.len()
+        );
+        shares("operator", &self.by_operator);
+        shares("file", &self.by_file);
+        counts("caught on scene", &self.by_scene);
+        counts("caught as", &self.by_cause);
+        for mutant in &self.survivors {
+            println!("SURVIVES {}", words(mutant));
+        }
+        for key in &self.refuted {
+            println!(
+                "CAUGHT, though reviewed as one that cannot be: {}: {:?} -> {:?}",
+                key.line, key.original, key.replacement
+            );
+        }
+        for key in &self.unknown {
+            println!("STALE on the reviewed list: {} {}: {:?}", key.file, key.function, key.line);
+        }
+    }
+}
+
+fn shares(heading: &str, rows: &BTreeMap<String, [usize; 2]>) {
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED);
+    table.set_header([heading, "tried", "caught"]);
+    for (name, [tried, caught]) in rows {
+        table.add_row([name.clone(), tried.to_string(), caught.to_string()]);
+    }
+    println!("{table}");
+}
+
+fn counts(heading: &str, rows: &BTreeMap<String, usize>) {
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED);
+    table.set_header([heading, "mutants"]);
+    for (name, count) in rows {
+        table.add_row([name.clone(), count.to_string()]);
+    }
+    println!("{table}");
+}
+
+/// File, place and change, in one line.
+fn words(mutant: &Mutant) -> String {
+    let Mutant { key, line, column, .. } = mutant;
+    format!(
+        "{}:{line}:{column} {}: {:?} -> {:?}\n    {}",
+        key.file, key.operator, key.original, key.replacement, key.line
+    )
+}
+
+/// Prints mutants that were not tried.
+///
+/// # Errors
+/// Never in practice: a mutant can always be written as JSON.
+pub fn list(mutants: &[Mutant], format: Format) -> Result<()> {
+    match format {
+        Format::Json => println!("{}", serde_json::to_string(mutants)?),
+        Format::Table => mutants.iter().for_each(|mutant| println!("{}", words(mutant))),
+    }
+    Ok(())
+}

@@ -1,0 +1,217 @@
+//! The scenes that mutants are shown on, cheap and telling ones first.
+
+use crate::stage::Plan;
+use gbuffer::ShadeKind;
+use glam::DVec3;
+use nurbs::{Direction, KnotVector, Surface};
+use pipeline::Scheme;
+use scene::{Camera, Face, Model, Projection, Viewport};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// A model, who looks, and how it is drawn.
+pub struct Shown {
+    /// What a mutant must not get wrong here.
+    pub name: &'static str,
+    /// What is drawn.
+    pub model: Model,
+    /// Who looks.
+    pub camera: Camera,
+    /// At how many pixels.
+    pub viewport: Viewport,
+    /// How it is drawn; the technique is set by who draws.
+    pub plan: Plan,
+    /// Cells of a uniform tessellation in place of one by chord error.
+    pub cells: Option<usize>,
+    /// What the picture shaded in the fragment stage shows.
+    pub shade: ShadeKind,
+    /// Whether that picture is shaded by normals interpolated from the vertices, and nothing else is judged.
+    pub vertex_normals: bool,
+}
+
+/// Side of the pictures.
+const SIDE: usize = 40;
+
+/// All of them, in the order in which a mutant meets them.
+pub fn scenes() -> Vec<Shown> {
+    vec![
+        Shown { shade: ShadeKind::Zebra, ..framed("weights and knots", builtin("rational"), Scheme::Specialised) },
+        Shown {
+            shade: ShadeKind::Gaussian,
+            ..framed("degrees 5 and 2", builtin("quintic-quadratic"), Scheme::General)
+        },
+        Shown {
+            shade: ShadeKind::Mean,
+            ..framed("reversed and rational", reversed(builtin("torus")), Scheme::General)
+        },
+        Shown { shade: ShadeKind::Face, ..framed("many faces", builtin("teapot"), Scheme::Specialised) },
+        Shown { shade: ShadeKind::Checker, ..framed("periodic knots", builtin("periodic"), Scheme::General) },
+        Shown {
+            shade: ShadeKind::Phong,
+            ..orthographic(framed("degree 1", builtin("bilinear-quartic"), Scheme::General))
+        },
+        Shown { shade: ShadeKind::Gaussian, ..framed("weights along u alone", cylinder(), Scheme::General) },
+        Shown { shade: ShadeKind::Phong, ..framed("poles", builtin("sphere"), Scheme::Specialised) },
+        steep(),
+        edge_on_centres(false),
+        edge_on_centres(true),
+        pole_on_a_centre(),
+        beside_a_pole("beside a pole in v", false),
+        beside_a_pole("beside a pole in u", true),
+        strip("thin in u", false),
+        strip("thin in v", true),
+        cusp("slow in u", false),
+        cusp("slow in v", true),
+        vertex_normals(ShadeKind::Normal),
+        vertex_normals(ShadeKind::Gaussian),
+    ]
+}
+
+fn builtin(name: &str) -> Model {
+    formats::builtin(name).expect("built in")
+}
+
+fn viewport() -> Viewport {
+    Viewport::new(SIDE, SIDE).expect("a legal size")
+}
+
+fn framed(name: &'static str, model: Model, scheme: Scheme) -> Shown {
+    let (viewport, plan) = (viewport(), Plan { scheme, chord_px: 0.5, ..Plan::default() });
+    let camera = Camera::framing(&model, viewport);
+    Shown { name, model, camera, viewport, plan, cells: None, shade: ShadeKind::Isophotes, vertex_normals: false }
+}
+
+/// The same view, without perspective.
+fn orthographic(shown: Shown) -> Shown {
+    let hull = shown.model.hull();
+    let projection = Projection::Orthographic { height: 0.8 * hull.diagonal() };
+    let camera = Camera::look_at(shown.camera.eye(), hull.center(), DVec3::Z, projection).expect("legal");
+    Shown { camera, ..shown }
+}
+
+/// The same surfaces with u and v exchanged.
+fn transposed(model: &Model) -> Model {
+    let surfaces = model.surfaces().iter().map(|surface| {
+        let [rows, columns] = surface.control_counts();
+        let order: Vec<usize> = (0..columns).flat_map(|j| (0..rows).map(move |i| i * columns + j)).collect();
+        let points = order.iter().map(|&k| surface.points()[k]).collect();
+        let weights = surface.weights().map(|weights| order.iter().map(|&k| weights[k]).collect());
+        let [ku, kv] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
+        Surface::new(kv, ku, points, weights).expect("as legal as before")
+    });
+    Model::new(model.name(), surfaces.collect(), model.faces().to_vec()).expect("as legal as before")
+}
+
+/// A quarter of a cylinder: the weights' derivative in v is exactly 0.
+fn cylinder() -> Model {
+    let knots = |degree, knots: &[f64]| KnotVector::new(degree, knots.to_vec()).expect("legal");
+    let arc = [(DVec3::X, 1.0), (DVec3::X + DVec3::Y, FRAC_1_SQRT_2), (DVec3::Y, 1.0)];
+    let points = arc.iter().flat_map(|(p, _)| [*p, *p + DVec3::Z]).collect();
+    let weights = arc.iter().flat_map(|(_, w)| [*w, *w]).collect();
+    let (u, v) = (knots(2, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]), knots(1, &[0.0, 0.0, 1.0, 1.0]));
+    let surface = Surface::new(u, v, points, Some(weights)).expect("legal");
+    Model::of_surfaces("cylinder", vec![surface]).expect("one face")
+}
+
+/// The same surfaces, seen from their other side.
+fn reversed(model: Model) -> Model {
+    let faces = model.faces().iter().map(|face| Face { reversed: !face.reversed, ..face.clone() }).collect();
+    Model::new(model.name(), model.surfaces().to_vec(), faces).expect("as legal as before")
+}
+
+/// A flat bilinear square over [−1, 1]² with u along −x and v along y, so that u = 1 on its left edge in the picture and
+/// v = 1 on its upper; where `mirrored`, both are 0 there. The last span of either parameter is too short for f32, and
+/// the knots go on after it.
+fn square(mirrored: bool) -> Model {
+    const TINY: f64 = 1e-12;
+    let knots = || KnotVector::new(1, vec![0.0, 0.0, 1.0 - TINY, 1.0, 1.5]).expect("legal");
+    let along = [-1.0, 1.0 - 2.0 * TINY, 1.0];
+    let sign = if mirrored { -1.0 } else { 1.0 };
+    let points = along.into_iter().flat_map(|x| along.map(|y| sign * DVec3::new(-x, y, 0.0))).collect();
+    let surface = Surface::new(knots(), knots(), points, None).expect("legal");
+    Model::of_surfaces("square", vec![surface]).expect("one face")
+}
+
+/// Two large triangles seen at a steep angle: depth varies by a factor of ten within each.
+fn steep() -> Shown {
+    let projection = Projection::Perspective { fov_deg: 70.0 };
+    let camera = Camera::look_at(DVec3::new(0.0, -1.2, 0.35), DVec3::ZERO, DVec3::Z, projection).expect("legal");
+    Shown { camera, cells: Some(1), ..framed("steep perspective", square(false), Scheme::General) }
+}
+
+/// The square's left and upper edges run a thousandth of a pixel inside a row and a column of pixel centres. Corners that
+/// snap to 1/256 pixel cover those centres nevertheless, and interpolation there leaves the domain.
+fn edge_on_centres(mirrored: bool) -> Shown {
+    let pixel = 4.0 / SIDE as f64;
+    let shift = (0.5 + 1.0 / 1024.0) * pixel;
+    let target = DVec3::new(-shift, shift, 0.0);
+    let projection = Projection::Orthographic { height: 4.0 };
+    let camera = Camera::look_at(target + DVec3::Z * 4.0, target, DVec3::Y, projection).expect("legal");
+    let name = if mirrored { "the domain's start" } else { "the domain's end" };
+    Shown { camera, cells: Some(1), ..framed(name, square(mirrored), Scheme::General) }
+}
+
+/// The sphere's pole, whose normal is undefined in f32, lies exactly on a pixel's centre.
+fn pole_on_a_centre() -> Shown {
+    let projection = Projection::Orthographic { height: 2.5 };
+    let camera = Camera::look_at(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y, projection).expect("legal");
+    let viewport = Viewport::new(SIDE + 1, SIDE + 1).expect("a legal size");
+    Shown { camera, viewport, ..framed("a pole on a centre", builtin("sphere"), Scheme::General) }
+}
+
+/// A millionth of a pixel's breadth of a sphere: |S_u| there is rounding error, far below what counts as collapsed.
+fn beside_a_pole(name: &'static str, exchanged: bool) -> Shown {
+    let sphere = builtin("sphere");
+    let model = if exchanged { transposed(&sphere) } else { sphere };
+    let projection = Projection::Orthographic { height: 1e-7 };
+    let camera = Camera::look_at(DVec3::Z * 4.0, DVec3::Z, DVec3::Y, projection).expect("legal");
+    Shown { camera, cells: Some(64), ..framed(name, model, Scheme::General) }
+}
+
+/// A strip six units long and so thin that in local units |S_u| is 1.2e-6 and |S_v| 1.5: neither collapsed nor, at a
+/// right angle, parallel; u and v are exchanged where `exchanged`.
+fn strip(name: &'static str, exchanged: bool) -> Shown {
+    let knots = || KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).expect("legal");
+    let points = [(-2.4e-6, -3.0), (-2.4e-6, 3.0), (2.4e-6, -3.0), (2.4e-6, 3.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+    let surface = Surface::new(knots(), knots(), points.to_vec(), None).expect("legal");
+    let plain = Model::of_surfaces("strip", vec![surface]).expect("one face");
+    let model = if exchanged { transposed(&plain) } else { plain };
+    let projection = Projection::Orthographic { height: 1.2e-5 };
+    let camera = Camera::look_at(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y, projection).expect("legal");
+    Shown { camera, cells: Some(1), ..framed(name, model, Scheme::General) }
+}
+
+/// A diamond S(u, v) = v³ c(u) about its own centre, where f32 keeps every digit however near the centre it comes. The
+/// picture shows nothing but the places where |S_u| is between one and two times the length that counts as collapsed;
+/// u and v are exchanged where `transposed`.
+///
+/// In local units |S_u| = 2 √2 v³. The tessellation's first row of cells ends at v = 2⁻⁶, and is flat: |x| + |y| there is
+/// 2⁻¹² v, so that the band of |S_u| from 2⁻²⁰ to 2⁻¹⁹ is at |x| + |y| from 1.7e-6 to 2.1e-6.
+fn cusp(name: &'static str, transposed: bool) -> Shown {
+    let knots = |degree, knots: &[f64]| KnotVector::new(degree, knots.to_vec()).expect("legal");
+    let around = knots(1, &[0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0]);
+    let outward = knots(3, &[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+    let corners = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::X];
+    let surface = if transposed {
+        let rows = [DVec3::ZERO; 15].into_iter().chain(corners).collect();
+        Surface::new(outward, around, rows, None)
+    } else {
+        let rows = corners.into_iter().flat_map(|corner| [DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, corner]).collect();
+        Surface::new(around, outward, rows, None)
+    };
+    let model = Model::of_surfaces(name, vec![surface.expect("legal")]).expect("one face");
+    let target = DVec3::new(0.95e-6, 0.95e-6, 0.0);
+    let projection = Projection::Orthographic { height: 1.8e-7 };
+    let camera = Camera::look_at(target + DVec3::Z, target, DVec3::Y, projection).expect("legal");
+    Shown { camera, cells: Some(64), ..framed(name, model, Scheme::General) }
+}
+
+/// A dome that fills the picture, cut coarsely, so that normals of its vertices are unlike those of its fragments.
+fn vertex_normals(shade: ShadeKind) -> Shown {
+    let model = builtin("unclamped");
+    let (center, size) = (model.hull().center(), model.hull().diagonal());
+    let projection = Projection::Perspective { fov_deg: 12.0 };
+    let eye = center + size * DVec3::new(0.1, -0.2, 1.0);
+    let camera = Camera::look_at(eye, center, DVec3::Y, projection).expect("legal");
+    let shown = framed("normals of vertices", model, Scheme::Specialised);
+    Shown { camera, cells: Some(4), shade, vertex_normals: true, ..shown }
+}

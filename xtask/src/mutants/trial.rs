@@ -1,0 +1,167 @@
+//! The trial of a program on the scenes: drawn by the GPU, judged as any other rendering.
+
+use super::scenes::Shown;
+use crate::stage::Stage;
+use anyhow::{Result, bail};
+use compare::Verdict;
+use gbuffer::{GBuffer, Hit, Shading};
+use pipeline::fragment::{Fragment, fragment};
+use pipeline::wgsl::{self, Variant};
+use pipeline::{Proxy, Technique};
+use raycast::Caster;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::cell::Cell;
+
+/// How a mutant was caught.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Catch {
+    /// On which scene.
+    pub scene: String,
+    /// The main cause that the comparison named, or what else gave it away.
+    pub cause: String,
+    /// The worst pixel in words.
+    pub detail: String,
+}
+
+/// What a program did on one scene.
+pub enum Shot {
+    /// The scene's programs do not hold the change.
+    Untouched,
+    /// All that was drawn agrees.
+    Agrees,
+    /// Something differs.
+    Caught(Catch),
+}
+
+/// A scene with the reference that it is judged by.
+pub struct Trial<'s> {
+    shown: &'s Shown,
+    stage: Stage<'s>,
+    caster: Caster<'s>,
+    reference: GBuffer,
+}
+
+impl<'s> Trial<'s> {
+    /// Renders the reference.
+    ///
+    /// # Errors
+    /// Where the scene cannot be drawn.
+    pub fn new(shown: &'s Shown) -> Result<Self> {
+        let mut stage = Stage::new(&shown.model, shown.camera, shown.viewport, shown.plan)?;
+        if let (Some(cells), Technique::Fragment) = (shown.cells, shown.plan.technique) {
+            stage.proxy = Proxy::uniform(&shown.model, &stage.scene, cells)?;
+        }
+        let caster = Caster::new(&shown.model);
+        let reference = if shown.vertex_normals {
+            let options = raster::Options { curvature: false, interpolated_normals: true };
+            let buffer = stage.rasterizer(options).render(stage.meta("raster"), &|_| {});
+            if buffer.covered() < shown.viewport.pixels() {
+                bail!("{}: the surface does not fill the picture", shown.name);
+            }
+            // The GPU's program computes none either, and must say so.
+            let plain = |hit: Option<&Hit>| hit.map(|hit| Hit { curvature: None, ..*hit });
+            let hits: Vec<Option<Hit>> = buffer.pixels().map(plain).collect();
+            let rows = hits.chunks(shown.viewport.width()).map(<[_]>::to_vec);
+            GBuffer::from_rows(shown.viewport, stage.meta("raster"), rows)
+        } else {
+            stage.raycast(&caster)
+        };
+        Ok(Self { shown, stage, caster, reference })
+    }
+
+    /// Draws with the programs that `source` makes, and judges them. A GPU that refuses or fails is a catch too; the
+    /// device should not be used again then.
+    ///
+    /// # Errors
+    /// Where the answer cannot be judged.
+    pub fn run(&self, device: &gpu::Device, source: &dyn Fn(Variant) -> String) -> Result<Shot> {
+        let touched = Cell::new(false);
+        let watched = |variant: Variant| {
+            let text = source(variant);
+            touched.set(touched.get() || text != wgsl::source(variant));
+            text
+        };
+        let overrides = gpu::Overrides { source: Some(&watched), ..Default::default() };
+        let caught = self.judged(device, overrides)?;
+        Ok(match caught {
+            Some(caught) => Shot::Caught(caught),
+            None if touched.get() => Shot::Agrees,
+            None => Shot::Untouched,
+        })
+    }
+
+    /// The picture's G-buffer first, and only then, with a program of its own, what the fragment stage shades.
+    fn judged(&self, device: &gpu::Device, overrides: gpu::Overrides) -> Result<Option<Catch>> {
+        let Stage { scene, proxy, views, camera, viewport, .. } = &self.stage;
+        let shading = Shading::new(self.shown.shade);
+        let uniform = shading.uniform(camera, self.shown.model.hull().diagonal());
+        let interpolated_normals = self.shown.vertex_normals;
+        let options = gpu::RendererOptions { curvature: !interpolated_normals, interpolated_normals, overrides };
+        let refused = |error: gpu::GpuError| Ok(Some(self.caught(REFUSED, error.to_string())));
+        let mut renderer = match gpu::Renderer::new(device, scene, proxy, options) {
+            Ok(renderer) => renderer,
+            Err(error) => return refused(error),
+        };
+        let gbuffer = if self.shown.vertex_normals {
+            Cow::Borrowed(&self.reference)
+        } else {
+            let gbuffer = match renderer.gbuffer(views, camera, *viewport, self.stage.meta("gpu")) {
+                Ok(gbuffer) => gbuffer,
+                Err(error) => return refused(error),
+            };
+            let fragments = match renderer.fragments(views, *viewport) {
+                Ok(fragments) => fragments,
+                Err(error) => return refused(error),
+            };
+            if let Some(detail) = self.wrong_record(&fragments) {
+                return Ok(Some(self.caught("record", detail)));
+            }
+            let pair = self.stage.against_raycast(&self.caster, &self.reference, &gbuffer)?;
+            if pair.verdict != Verdict::Agree {
+                let cause = pair.main_cause().map_or("none", |cause| cause.label());
+                let worst = pair.worst.first().map_or(String::new(), |p| format!("({}, {}): {}", p.x, p.y, p.detail));
+                return Ok(Some(self.caught(cause, worst)));
+            }
+            Cow::Owned(gbuffer)
+        };
+        let picture = match renderer.shaded(views, &uniform, *viewport) {
+            Ok(picture) => picture,
+            Err(error) => return refused(error),
+        };
+        let judged = self.stage.judge_shading(&shading, &gbuffer, &picture)?;
+        let detail = format!("{} of {} pixels, first {:?}", judged.differ, judged.covered, judged.first);
+        Ok((judged.verdict != Verdict::Agree).then(|| self.caught("shading", detail)))
+    }
+
+    /// What no hit shows: parameters outside the domain, and spans, status and speeds unlike those of the program in Rust
+    /// at the same parameters.
+    fn wrong_record(&self, fragments: &[Option<Fragment>]) -> Option<String> {
+        let scene = &self.stage.scene;
+        let drawn = || fragments.iter().flatten().filter(|f| f.uv.iter().all(|t| (0.0..=1.0).contains(t)));
+        let expected: Vec<Fragment> = drawn().map(|f| fragment(scene, f.face, f.uv, false)).collect();
+        let fastest = expected.iter().flat_map(|f| f.speed).fold(0.0, f32::max);
+        let is_near = |a: f32, b: f32| (a - b).abs() <= SPEED_SHARE * fastest;
+        let outside = fragments.iter().flatten().find(|f| !f.uv.iter().all(|t| (0.0..=1.0).contains(t)));
+        let outside = outside.map(|f| format!("(u, v) = {:?} is outside the domain", f.uv));
+        outside.or_else(|| {
+            let (f, e) = drawn().zip(&expected).find(|(f, e)| {
+                let speeds = is_near(f.speed[0], e.speed[0]) && is_near(f.speed[1], e.speed[1]);
+                f.span != e.span || f.status != e.status || !speeds
+            })?;
+            let words = |f: &Fragment| format!("span {:?}, {:?}, speeds {:?}", f.span, f.status, f.speed);
+            Some(format!("at (u, v) = {:?}: {}, not {}", f.uv, words(f), words(e)))
+        })
+    }
+
+    fn caught(&self, cause: &str, detail: String) -> Catch {
+        Catch { scene: self.shown.name.to_owned(), cause: cause.to_owned(), detail }
+    }
+}
+
+/// A speed may be off by this share of the greatest in the picture: far more than f32's rounding, far less than any
+/// mistake in computing it.
+const SPEED_SHARE: f32 = 1.0 / 1024.0;
+
+/// The cause where the GPU returns an error in place of a picture.
+pub const REFUSED: &str = "refused";
