@@ -318,3 +318,46 @@ fn first_target(output: Output) -> u32 {
         Output::Shaded => 4,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::TypeInner;
+    use pipeline::Technique;
+    use pipeline::wgsl::{self, Variant};
+
+    #[test]
+    fn records_and_workgroups_are_those_of_the_shader() {
+        let variant = Variant {
+            technique: Technique::Exact,
+            program: Program::Degree(3),
+            curvature: false,
+            interpolated_normal: false,
+        };
+        let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();
+        let size = |name: &str| {
+            let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap().1;
+            let TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
+            (*span as usize, members.last().unwrap().offset as usize)
+        };
+        assert_eq!(size("Hull"), (size_of::<HullRecord>(), 8 * 16 + 16));
+        assert_eq!(size("Meeting"), (picture::MEETING_BYTES as usize, 16));
+        assert_eq!(size("Batch"), (24, 20));
+        assert_eq!(size("Picture").1, 4 * picture::HEAD);
+        let constant = |name: &str| {
+            let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
+            module.global_expressions[constant.init].clone()
+        };
+        for (name, value) in [("WORKGROUP", WORKGROUP), ("LANES", LANES), ("TILE", TILE)] {
+            assert_eq!(constant(name), naga::Expression::Literal(naga::Literal::U32(value)), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_dispatch_has_room_for_all_pieces_in_rows_that_are_allowed() {
+        for count in [1, 64, 65, 8 * ROW, 8 * ROW + 1, 1 << 24] {
+            let [x, y] = grid(count, 8);
+            assert!(x <= ROW && y <= ROW && u64::from(x) * u64::from(y) * 8 >= u64::from(count), "{count}: {x} x {y}");
+        }
+    }
+}

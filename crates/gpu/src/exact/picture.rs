@@ -11,10 +11,10 @@ use wgpu::BufferUsages;
 const WORD: usize = 32;
 
 /// Words before those of the pixels there: the most meetings, and their number.
-const HEAD: usize = 2;
+pub(super) const HEAD: usize = 2;
 
 /// Bytes of `Meeting` there.
-const MEETING_BYTES: u64 = 20;
+pub(super) const MEETING_BYTES: u64 = 20;
 
 /// Meetings a pixel that a picture has room for at first. What is hidden when it is found is not kept, so that scenes
 /// rarely need more.
