@@ -155,12 +155,7 @@ impl Exact {
             _ => &self.search_layout,
         };
         let farthest = f64::from(u8::from(self.depth == DepthOrder::Farthest));
-        // A kernel that does not read the constant may not be given it.
-        let constants = [("FARTHEST", farthest)];
-        let constants = match kernel {
-            Kernel::MeetSmall | Kernel::MeetLarge => &constants[..],
-            _ => &[],
-        };
+        let constants = &[("FARTHEST", farthest)];
         let descriptor = wgpu::ComputePipelineDescriptor {
             label: Some(kernel.entry()),
             layout: Some(layout),
