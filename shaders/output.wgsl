@@ -1,4 +1,4 @@
-// What a fragment stage writes of the fragment program's answer, whatever the technique.
+// What is written of the fragment program's answer, whatever the technique.
 
 // Four targets of 16 bytes. All-zero means that nothing was drawn: the face is stored plus one.
 struct GBufferOutput {

@@ -129,6 +129,21 @@ impl Device {
         })
     }
 
+    /// A storage buffer of zeros that only the device writes.
+    pub(crate) fn empty(&self, what: &'static str, size: u64) -> Result<wgpu::Buffer, GpuError> {
+        let limit = self.limits.max_storage_buffer_binding_size;
+        self.fits(what, "max_storage_buffer_binding_size", size, limit)?;
+        self.fits(what, "max_buffer_size", size, self.limits.max_buffer_size)?;
+        self.guarded("allocating the picture", || {
+            self.wgpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(what),
+                size,
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        })
+    }
+
     /// A storage buffer that holds `bytes` and can be copied from.
     pub(crate) fn storage(&self, what: &'static str, bytes: &[u8]) -> Result<wgpu::Buffer, GpuError> {
         let limit = self.limits.max_storage_buffer_binding_size;

@@ -299,7 +299,7 @@ mod tests {
         let buffer = device.storage("before", &[0; 64]).unwrap();
         device.wgpu.destroy();
         let mut out = [0; 64];
-        let error = device.read_buffer("reading", &buffer, &mut out).unwrap_err();
+        let error = device.read_buffer("reading", &buffer, 0, &mut out).unwrap_err();
         assert!(matches!(error, GpuError::Lost { .. }), "{error}");
         let error = device.storage("after", &[0; 64]).unwrap_err();
         assert!(matches!(error, GpuError::Lost { .. }), "{error}");

@@ -1,8 +1,10 @@
-//! One picture: pipelines, targets, the draw, and what is made of the answer.
+//! One picture: its targets, how it is drawn, and what is made of the answer.
 
-use crate::buffers::{ProxyBuffers, SceneBuffers, vertex_layout};
+use crate::buffers::{ProxyBuffers, SceneBuffers};
 use crate::device::plain;
-use crate::pieces::{PieceBuffers, Unconverged};
+use crate::draw::Draw;
+use crate::exact::{Exact, Picture as Meetings};
+use crate::queries::{Queries, Stamps};
 use crate::readback::{CLEARED, Record, Rows};
 use crate::{Device, GpuError};
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeUniform, background};
@@ -18,12 +20,14 @@ use wgpu::{ShaderStages, TextureFormat, TextureUsages};
 /// Frames that may be under way at once while timing: enough that the device never waits for the processor.
 const FRAMES_IN_FLIGHT: usize = 3;
 
+const TIMING: &str = "timing frames";
+
+const ALLOCATING: &str = "allocating the picture";
+
 /// Frames timed with one query set, whose size WebGPU bounds at 4096.
 const FRAMES_A_QUERY_SET: usize = 2048;
 
-const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
-
-/// Formats of `GBufferOutput` in `shaders/entry.wgsl`.
+/// Formats of `GBufferOutput` in `shaders/output.wgsl`.
 const GBUFFER_FORMATS: [TextureFormat; 4] =
     [TextureFormat::Rgba32Uint, TextureFormat::Rgba32Float, TextureFormat::Rgba32Float, TextureFormat::Rgba32Float];
 
@@ -64,7 +68,7 @@ pub struct Timing {
     pub frames: usize,
     /// Seconds from the first frame's start to the last one's end, by the processor's clock.
     pub wall_s: f64,
-    /// Seconds of each frame's render pass by the device's clock, where it has one.
+    /// Seconds of each frame's passes by the device's clock, where it has one.
     pub gpu_s: Option<Vec<f64>>,
 }
 
@@ -75,22 +79,15 @@ impl Timing {
     }
 }
 
-/// What a fragment shader writes.
+/// What a picture is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Output {
+pub(crate) enum Output {
     GBuffer,
     Shaded,
 }
 
 impl Output {
-    fn entry(self) -> &'static str {
-        match self {
-            Output::GBuffer => "fragment_gbuffer",
-            Output::Shaded => "fragment_shaded",
-        }
-    }
-
-    fn formats(self) -> &'static [TextureFormat] {
+    pub(crate) fn formats(self) -> &'static [TextureFormat] {
         match self {
             Output::GBuffer => &GBUFFER_FORMATS,
             Output::Shaded => &[TextureFormat::Rgba8Unorm],
@@ -111,15 +108,58 @@ impl Output {
     }
 }
 
+/// The shaders of the programs that a scene has.
+pub(crate) type Modules = HashMap<Program, wgpu::ShaderModule>;
+
 /// A picture's textures.
-struct Targets {
-    output: Output,
-    viewport: Viewport,
+pub(crate) struct Targets {
+    pub(crate) output: Output,
+    pub(crate) viewport: Viewport,
     colours: Vec<wgpu::Texture>,
-    colour_views: Vec<wgpu::TextureView>,
-    depth_view: wgpu::TextureView,
-    /// Technique `exact` alone.
-    unconverged: Option<Unconverged>,
+    pub(crate) colour_views: Vec<wgpu::TextureView>,
+}
+
+impl Targets {
+    fn new(device: &Device, viewport: Viewport, output: Output, usage: TextureUsages) -> Result<Self, GpuError> {
+        let side = viewport.width().max(viewport.height()) as u64;
+        let limit = u64::from(device.limits.max_texture_dimension_2d);
+        device.fits("the viewport", "max_texture_dimension_2d", side, limit)?;
+        device.guarded(ALLOCATING, || {
+            let usage = usage | TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
+            let texture = |&format| device.texture("target", viewport, format, usage);
+            let colours: Vec<_> = output.formats().iter().map(texture).collect();
+            let colour_views = colours.iter().map(|texture| texture.create_view(&Default::default())).collect();
+            Self { output, viewport, colours, colour_views }
+        })
+    }
+
+    /// The targets as a render pass that clears them has them.
+    pub(crate) fn cleared(&self) -> Vec<Option<wgpu::RenderPassColorAttachment<'_>>> {
+        let attachment = |(target, view)| {
+            Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(self.output.cleared(target)),
+                    store: wgpu::StoreOp::Store,
+                },
+            })
+        };
+        self.colour_views.iter().enumerate().map(attachment).collect()
+    }
+}
+
+/// How pictures are drawn.
+enum Method {
+    Fragment(Draw),
+    Exact(Exact),
+}
+
+/// What a picture needs besides its targets.
+enum Store {
+    Depth(wgpu::TextureView),
+    Meetings(Meetings),
 }
 
 /// A scene on a device, ready to be drawn from any camera.
@@ -127,16 +167,9 @@ pub struct Renderer<'a> {
     device: &'a Device,
     scene: &'a PackedScene,
     curvature: bool,
-    depth: DepthOrder,
     buffers: SceneBuffers,
-    proxy: ProxyBuffers,
-    technique: Technique,
-    /// Technique `exact` alone.
-    pieces: Option<PieceBuffers>,
-    layout: wgpu::PipelineLayout,
-    modules: HashMap<Program, wgpu::ShaderModule>,
-    /// Made when first drawn with: a driver may take seconds to compile one.
-    pipelines: HashMap<(Program, Output), wgpu::RenderPipeline>,
+    modules: Modules,
+    method: Method,
 }
 
 impl<'a> Renderer<'a> {
@@ -152,22 +185,16 @@ impl<'a> Renderer<'a> {
         options: RendererOptions<'_>,
     ) -> Result<Self, GpuError> {
         let RendererOptions { curvature, interpolated_normals, overrides } = options;
-        let buffers = SceneBuffers::new(device, scene, ShaderStages::VERTEX_FRAGMENT)?;
         let technique = proxy.technique();
-        let pieces = match technique {
-            Technique::Fragment => None,
-            Technique::Exact => Some(PieceBuffers::new(device, &proxy.pieces)?),
+        let visibility = match technique {
+            Technique::Fragment => ShaderStages::VERTEX_FRAGMENT,
+            Technique::Exact => ShaderStages::COMPUTE,
         };
-        let proxy = ProxyBuffers::new(device, proxy)?;
-        let groups: Vec<_> =
-            [&buffers.layout].into_iter().chain(pieces.as_ref().map(|p| &p.layout)).map(Some).collect();
-        let layout = device.guarded("setting up", || {
-            device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("scene"),
-                bind_group_layouts: &groups,
-                immediate_size: 0,
-            })
-        })?;
+        let buffers = SceneBuffers::new(device, scene, visibility)?;
+        let method = match technique {
+            Technique::Fragment => Method::Fragment(Draw::new(device, &buffers, proxy, overrides.depth)?),
+            Technique::Exact => Method::Exact(Exact::new(device, &buffers, proxy, overrides.depth)?),
+        };
         let mut modules = HashMap::new();
         for &program in &scene.programs {
             if let Entry::Vacant(vacant) = modules.entry(program) {
@@ -176,19 +203,7 @@ impl<'a> Renderer<'a> {
                 vacant.insert(device.module(program, source)?);
             }
         }
-        Ok(Self {
-            device,
-            scene,
-            curvature,
-            depth: overrides.depth,
-            buffers,
-            proxy,
-            technique,
-            pieces,
-            layout,
-            modules,
-            pipelines: HashMap::new(),
-        })
+        Ok(Self { device, scene, curvature, buffers, modules, method })
     }
 
     /// Draws the scene with other triangles from now on; they must be of the same scene.
@@ -196,12 +211,11 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`Self::new`]; [`GpuError::Technique`] where the proxy is of another technique.
     pub fn set_proxy(&mut self, proxy: &Proxy) -> Result<(), GpuError> {
-        if proxy.technique() != self.technique {
-            return Err(GpuError::Technique { expected: self.technique.name(), found: proxy.technique().name() });
-        }
-        self.proxy = ProxyBuffers::new(self.device, proxy)?;
-        if self.pieces.is_some() {
-            self.pieces = Some(PieceBuffers::new(self.device, &proxy.pieces)?);
+        match (&mut self.method, proxy.technique()) {
+            (Method::Fragment(draw), Technique::Fragment) => draw.proxy = ProxyBuffers::new(self.device, proxy)?,
+            (Method::Exact(exact), Technique::Exact) => exact.set_proxy(self.device, proxy)?,
+            (Method::Fragment(_), found) => return Err(other_technique(Technique::Fragment, found)),
+            (Method::Exact(_), found) => return Err(other_technique(Technique::Exact, found)),
         }
         Ok(())
     }
@@ -225,7 +239,7 @@ impl<'a> Renderer<'a> {
         let info = self.device.info();
         let driver = format!("{} {}", info.driver, info.driver_info);
         let meta = Meta { adapter: Some(info.name.clone()), driver: Some(driver.trim().to_owned()), ..meta };
-        let targets = self.draw(views, viewport, Output::GBuffer)?;
+        let (targets, store) = self.draw(views, viewport, Output::GBuffer)?;
         let mut rows = Rows::new(self.device, targets.colours.iter().collect(), viewport)?;
         let mut failure = None;
         let hits = (0..viewport.height()).map(|y| {
@@ -241,10 +255,10 @@ impl<'a> Renderer<'a> {
             )
         });
         let buffer = GBuffer::from_rows(viewport, meta, hits);
-        match (failure, &targets.unconverged) {
+        match (failure, store) {
             (Some(error), _) => Err(error),
-            (None, None) => Ok(buffer),
-            (None, Some(unconverged)) => Ok(buffer.with_undecided(unconverged.pixels(self.device)?)),
+            (None, Store::Depth(_)) => Ok(buffer),
+            (None, Store::Meetings(meetings)) => Ok(buffer.with_undecided(meetings.unconverged(self.device)?)),
         }
     }
 
@@ -253,7 +267,7 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`Self::gbuffer`].
     pub fn fragments(&mut self, views: &[View], viewport: Viewport) -> Result<Vec<Option<Fragment>>, GpuError> {
-        let targets = self.draw(views, viewport, Output::GBuffer)?;
+        let (targets, _) = self.draw(views, viewport, Output::GBuffer)?;
         let mut rows = Rows::new(self.device, targets.colours.iter().collect(), viewport)?;
         let mut fragments = Vec::with_capacity(viewport.pixels());
         for y in 0..viewport.height() {
@@ -288,7 +302,7 @@ impl<'a> Renderer<'a> {
             .collect()
     }
 
-    /// The picture that the fragment stage itself shades, on [`background`].
+    /// The picture that the device itself shades, on [`background`].
     ///
     /// Curvature shading needs a renderer that computes curvature; without it every point's is unknown.
     ///
@@ -296,7 +310,7 @@ impl<'a> Renderer<'a> {
     /// As [`Self::gbuffer`].
     pub fn shaded(&mut self, views: &[View], shading: &ShadeUniform, viewport: Viewport) -> Result<Picture, GpuError> {
         self.buffers.write_shading(self.device, shading)?;
-        let targets = self.draw(views, viewport, Output::Shaded)?;
+        let (targets, _) = self.draw(views, viewport, Output::Shaded)?;
         let mut rows = Rows::new(self.device, targets.colours.iter().collect(), viewport)?;
         let mut pixels = Vec::with_capacity(viewport.pixels());
         for y in 0..viewport.height() {
@@ -320,18 +334,23 @@ impl<'a> Renderer<'a> {
         shading: &ShadeUniform,
         viewport: Viewport,
     ) -> Result<Timing, GpuError> {
-        const TIMING: &str = "timing frames";
         let Some(first) = frames.first() else {
             let gpu_s = self.device.has_timestamps().then(Vec::new);
             return Ok(Timing { frames: 0, wall_s: 0.0, gpu_s });
         };
         self.buffers.write_shading(self.device, shading)?;
-        self.prepare(Output::Shaded)?;
-        let targets = self.targets(viewport, Output::Shaded)?;
-        self.buffers.write_views(self.device, first)?;
-        let encoder = self.encode(&targets, None)?;
-        self.device.submit(TIMING, encoder)?;
-        self.device.wait(TIMING, None)?;
+        loop {
+            let (targets, store) = self.draw(first, viewport, Output::Shaded)?;
+            self.device.wait(TIMING, None)?;
+            let timing = self.time(frames, &targets, &store)?;
+            // A later frame may have had more to keep than the first.
+            if self.is_complete(&store)? {
+                return Ok(timing);
+            }
+        }
+    }
+
+    fn time(&self, frames: &[Vec<View>], targets: &Targets, store: &Store) -> Result<Timing, GpuError> {
         let mut timing =
             Timing { frames: frames.len(), wall_s: 0.0, gpu_s: self.device.has_timestamps().then(Vec::new) };
         for chunk in frames.chunks(FRAMES_A_QUERY_SET) {
@@ -346,7 +365,7 @@ impl<'a> Renderer<'a> {
                     self.device.wait(TIMING, under_way.pop_front())?;
                 }
                 self.buffers.write_views(self.device, views)?;
-                let encoder = self.encode(&targets, queries.as_ref().map(|q| q.writes(index)))?;
+                let encoder = self.encode(targets, store, queries.as_ref().map(|q| q.frame(index)))?;
                 under_way.push_back(self.device.submit(TIMING, encoder)?);
             }
             self.device.wait(TIMING, None)?;
@@ -358,173 +377,93 @@ impl<'a> Renderer<'a> {
         Ok(timing)
     }
 
-    /// Submits one picture.
-    fn draw(&mut self, views: &[View], viewport: Viewport, output: Output) -> Result<Targets, GpuError> {
+    /// Draws one picture, again where it had more to keep than there was room for.
+    fn draw(&mut self, views: &[View], viewport: Viewport, output: Output) -> Result<(Targets, Store), GpuError> {
         self.buffers.write_views(self.device, views)?;
-        self.prepare(output)?;
-        let targets = self.targets(viewport, output)?;
-        let encoder = self.encode(&targets, None)?;
-        self.device.submit("drawing", encoder)?;
-        Ok(targets)
-    }
-
-    /// Compiles the pipelines that are not there yet.
-    fn prepare(&mut self, output: Output) -> Result<(), GpuError> {
-        for &program in self.modules.keys() {
-            if !self.pipelines.contains_key(&(program, output)) {
-                let pipeline = self.pipeline(program, output)?;
-                self.pipelines.insert((program, output), pipeline);
+        let usage = match &mut self.method {
+            Method::Fragment(draw) => {
+                draw.prepare(self.device, &self.modules, output)?;
+                TextureUsages::empty()
+            }
+            Method::Exact(exact) => {
+                exact.prepare(self.device, &self.modules, output)?;
+                TextureUsages::STORAGE_BINDING
+            }
+        };
+        let targets = Targets::new(self.device, viewport, output, usage)?;
+        loop {
+            let store = match &self.method {
+                Method::Fragment(draw) => Store::Depth(draw.depth_buffer(self.device, &targets)?),
+                Method::Exact(exact) => Store::Meetings(exact.picture(self.device, &targets)?),
+            };
+            let encoder = self.encode(&targets, &store, None)?;
+            self.device.submit("drawing", encoder)?;
+            if self.is_complete(&store)? {
+                return Ok((targets, store));
             }
         }
-        Ok(())
     }
 
-    fn pipeline(&self, program: Program, output: Output) -> Result<wgpu::RenderPipeline, GpuError> {
-        let module = &self.modules[&program];
-        let targets: Vec<_> = output.formats().iter().map(|&format| Some(format.into())).collect();
-        let compare = match self.depth {
-            DepthOrder::Nearest => wgpu::CompareFunction::Greater,
-            DepthOrder::Farthest => wgpu::CompareFunction::Less,
-        };
-        let descriptor = wgpu::RenderPipelineDescriptor {
-            label: Some(output.entry()),
-            layout: Some(&self.layout),
-            vertex: wgpu::VertexState {
-                module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[Some(vertex_layout())],
-            },
-            primitive: wgpu::PrimitiveState {
-                // A surface is seen from both its sides; a hull is drawn by its far side.
-                cull_mode: match self.technique {
-                    Technique::Fragment => None,
-                    Technique::Exact => Some(wgpu::Face::Front),
-                },
-                ..Default::default()
-            },
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH_FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(compare),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module,
-                entry_point: Some(output.entry()),
-                compilation_options: Default::default(),
-                targets: &targets,
-            }),
-            multiview_mask: None,
-            cache: None,
-        };
-        self.device
-            .guarded("compiling a pipeline", || self.device.wgpu.create_render_pipeline(&descriptor))
-            .map_err(|error| as_shader_error(error, program, output.entry()))
+    /// Whether nothing of what was drawn with this store was lost for want of room; otherwise the next has more.
+    fn is_complete(&mut self, store: &Store) -> Result<bool, GpuError> {
+        match (&mut self.method, store) {
+            (Method::Exact(exact), Store::Meetings(meetings)) => exact.had_room(self.device, meetings),
+            _ => Ok(true),
+        }
     }
 
-    fn targets(&self, viewport: Viewport, output: Output) -> Result<Targets, GpuError> {
-        let side = viewport.width().max(viewport.height()) as u64;
-        let limit = u64::from(self.device.limits.max_texture_dimension_2d);
-        self.device.fits("the viewport", "max_texture_dimension_2d", side, limit)?;
-        let unconverged = match &self.pieces {
-            Some(pieces) => Some(pieces.unconverged(self.device, viewport)?),
-            None => None,
-        };
-        self.device.guarded("allocating the picture", || {
-            let texture = |format, usage| {
-                self.device.wgpu.create_texture(&wgpu::TextureDescriptor {
-                    label: Some(output.entry()),
-                    size: wgpu::Extent3d {
-                        width: viewport.width() as u32,
-                        height: viewport.height() as u32,
-                        depth_or_array_layers: 1,
-                    },
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format,
-                    usage,
-                    view_formats: &[],
-                })
-            };
-            let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
-            let colours: Vec<_> = output
-                .formats()
-                .iter()
-                .map(|&format| texture(format, TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC))
-                .collect();
-            let colour_views = colours.iter().map(view).collect();
-            let depth_view = view(&texture(DEPTH_FORMAT, TextureUsages::RENDER_ATTACHMENT));
-            Targets { output, viewport, colours, colour_views, depth_view, unconverged }
-        })
-    }
-
-    /// Commands that clear the targets and draw every batch, in the proxy's order.
+    /// Commands that draw one picture.
     fn encode(
         &self,
         targets: &Targets,
-        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+        store: &Store,
+        stamps: Option<Stamps<'_>>,
     ) -> Result<wgpu::CommandEncoder, GpuError> {
-        let colours: Vec<_> = targets
-            .colour_views
-            .iter()
-            .enumerate()
-            .map(|(target, view)| {
-                Some(wgpu::RenderPassColorAttachment {
-                    view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(targets.output.cleared(target)),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })
-            })
-            .collect();
-        let farthest = match self.depth {
-            DepthOrder::Nearest => 0.0,
-            DepthOrder::Farthest => 1.0,
-        };
         self.device.guarded("encoding a picture", || {
             let mut encoder = self.device.wgpu.create_command_encoder(&Default::default());
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some(targets.output.entry()),
-                color_attachments: &colours,
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &targets.depth_view,
-                    depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(farthest),
-                        store: wgpu::StoreOp::Discard,
-                    }),
-                    stencil_ops: None,
-                }),
-                timestamp_writes,
-                ..Default::default()
-            });
-            let (width, height) = (targets.viewport.width() as f32, targets.viewport.height() as f32);
-            pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
-            pass.set_bind_group(0, &self.buffers.group, &[]);
-            if let Some(unconverged) = &targets.unconverged {
-                pass.set_bind_group(1, &unconverged.group, &[]);
-            }
-            self.proxy.bind(&mut pass);
-            for batch in self.proxy.batches.iter().filter(|batch| batch.count > 0) {
-                // A batch of a program that no face has draws nothing of this scene.
-                if let Some(pipeline) = self.pipelines.get(&(batch.program, targets.output)) {
-                    pass.set_pipeline(pipeline);
-                    pass.draw_indexed(batch.first..batch.first + batch.count, 0, 0..1);
+            match (&self.method, store) {
+                (Method::Fragment(draw), Store::Depth(depth)) => {
+                    draw.encode(&mut encoder, &self.buffers, targets, depth, stamps);
                 }
+                (Method::Exact(exact), Store::Meetings(meetings)) => {
+                    exact.encode(&mut encoder, &self.buffers, targets, meetings, stamps);
+                }
+                _ => unreachable!("a store is made by the method that it is drawn with"),
             }
-            drop(pass);
             encoder
         })
     }
 }
 
+fn other_technique(expected: Technique, found: Technique) -> GpuError {
+    GpuError::Technique { expected: expected.name(), found: found.name() }
+}
+
 impl Device {
+    /// A texture of a picture's size.
+    pub(crate) fn texture(
+        &self,
+        label: &str,
+        viewport: Viewport,
+        format: TextureFormat,
+        usage: TextureUsages,
+    ) -> wgpu::Texture {
+        self.wgpu.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: viewport.width() as u32,
+                height: viewport.height() as u32,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        })
+    }
+
     /// A shader module, or the compiler's message.
     pub(crate) fn module(&self, program: Program, source: String) -> Result<wgpu::ShaderModule, GpuError> {
         self.guarded("reading a shader", || {
@@ -544,53 +483,5 @@ pub(crate) fn as_shader_error(error: GpuError, program: Program, entry: &'static
             GpuError::Shader { program: format!("{program:?}"), entry, message: plain(&message) }
         }
         other => other,
-    }
-}
-
-/// Two timestamps a frame.
-struct Queries {
-    set: wgpu::QuerySet,
-    frames: usize,
-}
-
-impl Queries {
-    fn new(device: &Device, frames: usize) -> Result<Self, GpuError> {
-        let descriptor = wgpu::QuerySetDescriptor {
-            label: Some("frames"),
-            ty: wgpu::QueryType::Timestamp,
-            count: 2 * frames as u32,
-        };
-        let set = device.guarded("setting up", || device.wgpu.create_query_set(&descriptor))?;
-        Ok(Self { set, frames })
-    }
-
-    fn writes(&self, frame: usize) -> wgpu::RenderPassTimestampWrites<'_> {
-        wgpu::RenderPassTimestampWrites {
-            query_set: &self.set,
-            beginning_of_pass_write_index: Some(2 * frame as u32),
-            end_of_pass_write_index: Some(2 * frame as u32 + 1),
-        }
-    }
-
-    /// Seconds from the first to the second of each pair.
-    fn read(&self, device: &Device) -> Result<Vec<f64>, GpuError> {
-        const READING: &str = "reading timestamps";
-        let mut ticks = vec![[0u64; 2]; self.frames];
-        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut ticks);
-        let (buffer, encoder) = device.guarded(READING, || {
-            let buffer = device.wgpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("timestamps"),
-                size: bytes.len() as u64,
-                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            });
-            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
-            encoder.resolve_query_set(&self.set, 0..2 * self.frames as u32, &buffer, 0);
-            (buffer, encoder)
-        })?;
-        device.submit(READING, encoder)?;
-        device.read_buffer(READING, &buffer, bytes)?;
-        let second = f64::from(device.queue.get_timestamp_period()) * 1e-9;
-        Ok(ticks.iter().map(|[start, end]| end.saturating_sub(*start) as f64 * second).collect())
     }
 }

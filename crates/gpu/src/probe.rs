@@ -122,7 +122,7 @@ fn dispatch(
         encoder
     })?;
     device.submit(PROBING, encoder)?;
-    device.read_buffer(PROBING, &answered, bytemuck::cast_slice_mut(&mut words))?;
+    device.read_buffer(PROBING, &answered, 0, bytemuck::cast_slice_mut(&mut words))?;
     Ok(bytemuck::cast_slice(&words).to_vec())
 }
 

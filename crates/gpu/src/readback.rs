@@ -193,17 +193,18 @@ impl Device {
         Ok(())
     }
 
-    /// The bytes of a buffer that the device wrote.
+    /// The bytes from `offset` on of a buffer that the device wrote.
     pub(crate) fn read_buffer(
         &self,
         during: &'static str,
         buffer: &wgpu::Buffer,
+        offset: u64,
         out: &mut [u8],
     ) -> Result<(), GpuError> {
         let (staging, encoder) = self.guarded(during, || {
             let staging = self.staging(out.len() as u64);
             let mut encoder = self.wgpu.create_command_encoder(&Default::default());
-            encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, out.len() as u64);
+            encoder.copy_buffer_to_buffer(buffer, offset, &staging, 0, out.len() as u64);
             (staging, encoder)
         })?;
         self.submit(during, encoder)?;

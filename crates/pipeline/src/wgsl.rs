@@ -15,7 +15,7 @@ pub const EVAL: &str = include_str!("../../../shaders/eval.wgsl");
 pub const FRAGMENT: &str = include_str!("../../../shaders/fragment.wgsl");
 /// The shading code, twin of `gbuffer::shade`.
 pub const SHADE: &str = include_str!("../../../shaders/shade.wgsl");
-/// What fragment stages write.
+/// What is made of the fragment program's answer.
 pub const OUTPUT: &str = include_str!("../../../shaders/output.wgsl");
 /// Entry points of technique `fragment`.
 pub const ENTRY: &str = include_str!("../../../shaders/entry.wgsl");
@@ -61,7 +61,9 @@ pub struct Variant {
     pub interpolated_normal: bool,
 }
 
-/// The source of a variant. Entry points: `vertex`, `fragment_gbuffer`, `fragment_shaded`.
+/// The source of a variant. Entry points of technique `fragment`: `vertex`, `fragment_gbuffer`, `fragment_shaded`; the
+/// kernels of technique `exact`: `bound_hulls`, `meet_small`, `meet_large`, `choose`, `resolve_gbuffer`,
+/// `resolve_shaded`.
 pub fn source(variant: Variant) -> String {
     let parts = PARTS.iter().filter(|part| part.of.is_none_or(|technique| technique == variant.technique));
     parts.fold(prelude(variant), |source, part| source + part.text)

@@ -1,5 +1,6 @@
 //! Tests of the GPU path on Mesa's software adapter, and of the shaders' text without any.
 
+mod exact;
 mod layout;
 mod models;
 mod picture;

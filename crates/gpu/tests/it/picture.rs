@@ -12,19 +12,19 @@ use pipeline::wgsl::{self, Variant};
 use pipeline::{PackedScene, Proxy, Scheme};
 use scene::{Camera, FaceId, Model, Projection, Viewport};
 
-const CURVATURE: RendererOptions<'static> = RendererOptions {
+pub(crate) const CURVATURE: RendererOptions<'static> = RendererOptions {
     curvature: true,
     interpolated_normals: false,
     overrides: Overrides { source: None, depth: DepthOrder::Nearest },
 };
 
 /// A model packed, tessellated and seen.
-struct Shot {
-    model: Model,
-    scene: PackedScene,
-    proxy: Proxy,
-    camera: Camera,
-    viewport: Viewport,
+pub(crate) struct Shot {
+    pub(crate) model: Model,
+    pub(crate) scene: PackedScene,
+    pub(crate) proxy: Proxy,
+    pub(crate) camera: Camera,
+    pub(crate) viewport: Viewport,
 }
 
 impl Shot {
@@ -34,26 +34,26 @@ impl Shot {
         Self { model, scene, proxy, camera, viewport }
     }
 
-    fn views(&self) -> Vec<pipeline::View> {
+    pub(crate) fn views(&self) -> Vec<pipeline::View> {
         self.scene.views(&self.model, &self.camera, self.viewport)
     }
 
-    fn gbuffer(&self, device: &Device, options: RendererOptions<'_>) -> Result<GBuffer, gpu::GpuError> {
-        let meta = Meta::new("gpu", "fragment", &self.model, &self.camera);
+    pub(crate) fn gbuffer(&self, device: &Device, options: RendererOptions<'_>) -> Result<GBuffer, gpu::GpuError> {
+        let meta = Meta::new("gpu", self.proxy.technique().name(), &self.model, &self.camera);
         let mut renderer = Renderer::new(device, &self.scene, &self.proxy, options)?;
         renderer.gbuffer(&self.views(), &self.camera, self.viewport, meta)
     }
 }
 
 /// The square −½ … ½ of the plane z = `z`, degree 1.
-fn square(z: f64) -> Surface {
+pub(crate) fn square(z: f64) -> Surface {
     let knots = || KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).unwrap();
     let points = [(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)].map(|(x, y)| DVec3::new(x, y, z));
     Surface::new(knots(), knots(), points.to_vec(), None).unwrap()
 }
 
 /// From above, y upward in the picture, `height` model units high.
-fn from_above(height: f64) -> Camera {
+pub(crate) fn from_above(height: f64) -> Camera {
     let projection = Projection::Orthographic { height };
     Camera::look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y, projection).unwrap()
 }

@@ -65,7 +65,7 @@ fn a_shader_without_its_entry_point_is_refused_when_drawn_with() {
 
 #[test]
 fn a_face_that_is_not_there_is_refused_with_its_pixel() {
-    let error = renderer_with("in.face + 1u", "in.face + 1000u");
+    let error = renderer_with("vec4<u32>(face + 1u, f.status", "vec4<u32>(face + 1000u, f.status");
     assert!(matches!(&error, GpuError::Malformed { face: 999.., count: 20, .. }), "{error}");
 }
 

@@ -1,0 +1,135 @@
+//! What the kernels of technique `exact` keep of one picture: the meetings of rays and pieces, and what each pixel shows.
+
+use super::{Exact, first_target};
+use crate::pass::Targets;
+use crate::{Device, GpuError};
+use bytemuck::{Pod, Zeroable};
+use scene::Viewport;
+use wgpu::BufferUsages;
+
+/// Pixels a word of the bits in `Picture` of `shaders/entry_exact.wgsl`.
+const WORD: usize = 32;
+
+/// Words before those of the pixels there: the most meetings, and their number.
+pub(super) const HEAD: usize = 2;
+
+/// Bytes of `Meeting` there.
+pub(super) const MEETING_BYTES: u64 = 20;
+
+/// Meetings a pixel that a picture has room for at first. What is hidden when it is found is not kept, so that scenes
+/// rarely need more.
+const MEETINGS_A_PIXEL: u64 = 2;
+
+/// Distance of the batches in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
+pub(super) const BATCH_STRIDE: u32 = 256;
+
+/// `Batch` in `shaders/entry_exact.wgsl`, filled up to [`BATCH_STRIDE`].
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct BatchUniform {
+    first: u32,
+    count: u32,
+    width: u32,
+    height: u32,
+    unconverged: u32,
+    large: u32,
+    padding: [u32; 58],
+}
+
+/// Buffers and groups of one picture.
+pub(crate) struct Picture {
+    /// Pieces, hulls, and what follows; the batch by a dynamic offset.
+    pub(super) group: wgpu::BindGroup,
+    /// The textures to be written.
+    pub(super) targets: wgpu::BindGroup,
+    words: wgpu::Buffer,
+    /// Meetings that there is room for.
+    pub(super) capacity: u64,
+    viewport: Viewport,
+}
+
+impl Picture {
+    pub(super) fn new(device: &Device, exact: &Exact, targets: &Targets) -> Result<Self, GpuError> {
+        let viewport = targets.viewport;
+        let pixels = viewport.pixels();
+        let unconverged = 2 * pixels;
+        let large = unconverged + pixels.div_ceil(WORD);
+        let words = 4 * (HEAD + large + exact.ranges.len()) as u64;
+        let words = device.empty("the pixels", words)?;
+        let wanted = MEETINGS_A_PIXEL * pixels as u64;
+        let capacity = within_limits(device, exact.capacity, wanted.max(exact.capacity))?;
+        let meetings = device.empty("meetings of rays and pieces", capacity * MEETING_BYTES)?;
+        let batch = |(index, range): (usize, &super::Range)| BatchUniform {
+            first: range.first,
+            count: range.count,
+            width: viewport.width() as u32,
+            height: viewport.height() as u32,
+            unconverged: unconverged as u32,
+            large: (large + index) as u32,
+            padding: [0; 58],
+        };
+        let mut batches: Vec<_> = exact.ranges.iter().enumerate().map(batch).collect();
+        if batches.is_empty() {
+            batches.push(Zeroable::zeroed());
+        }
+        let batches = device.buffer("batches", BufferUsages::UNIFORM, bytemuck::cast_slice(&batches))?;
+        let (group, targets) = device.guarded("setting up", || {
+            let whole = [&exact.pieces, &exact.hulls, &words, &meetings].map(|buffer| buffer.as_entire_binding());
+            let one = wgpu::BufferBinding {
+                buffer: &batches,
+                offset: 0,
+                size: wgpu::BufferSize::new(u64::from(BATCH_STRIDE)),
+            };
+            let shared = whole.into_iter().chain([wgpu::BindingResource::Buffer(one)]);
+            let group = bound(device, "pieces", &exact.layout, 0, shared);
+            let views = targets.colour_views.iter().map(wgpu::BindingResource::TextureView);
+            let layout = &exact.resolve_layouts[&targets.output].0;
+            (group, bound(device, "targets", layout, first_target(targets.output), views))
+        })?;
+        Ok(Self { group, targets, words, capacity, viewport })
+    }
+
+    /// Empties it for a frame; the most meetings of any frame stay.
+    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.clear_buffer(&self.words, 4, None);
+    }
+
+    /// The most meetings of any frame, those without room among them.
+    pub(super) fn most(&self, device: &Device) -> Result<u64, GpuError> {
+        let mut most = 0u32;
+        device.read_buffer("counting meetings", &self.words, 0, bytemuck::bytes_of_mut(&mut most))?;
+        Ok(u64::from(most))
+    }
+
+    /// The pixels (x, y) in which a search has not converged.
+    pub(crate) fn unconverged(&self, device: &Device) -> Result<Vec<(usize, usize)>, GpuError> {
+        let (width, count) = (self.viewport.width(), self.viewport.pixels());
+        let mut words = vec![0u32; count.div_ceil(WORD)];
+        let offset = 4 * (HEAD + 2 * count) as u64;
+        let bytes = bytemuck::cast_slice_mut(&mut words);
+        device.read_buffer("reading the unconverged pixels", &self.words, offset, bytes)?;
+        let is_set = |pixel: &usize| words[pixel / WORD] >> (pixel % WORD) & 1 == 1;
+        Ok((0..count).filter(is_set).map(|pixel| (pixel % width, pixel / width)).collect())
+    }
+}
+
+/// As many meetings as wanted, or as many as the adapter has room for if these are at least as many as needed.
+pub(super) fn within_limits(device: &Device, needed: u64, wanted: u64) -> Result<u64, GpuError> {
+    let limit = device.limits.max_storage_buffer_binding_size;
+    let bytes = needed * MEETING_BYTES;
+    device.fits("meetings of rays and pieces", "max_storage_buffer_binding_size", bytes, limit)?;
+    Ok(wanted.min(limit / MEETING_BYTES))
+}
+
+/// A group of resources at bindings `first`, `first` + 1 …
+fn bound<'r>(
+    device: &Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    first: u32,
+    resources: impl Iterator<Item = wgpu::BindingResource<'r>>,
+) -> wgpu::BindGroup {
+    let entries: Vec<_> =
+        (first..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    device.wgpu.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}
