@@ -7,7 +7,7 @@
 //! * **Seeds.** The ray enters and leaves the piece's hull; at both places the piece, taken as flat, says (u, v). Where
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
 //!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
-//!   that is seen edge-on, two more begin far from it on either side of the fold.
+//!   that is seen edge-on, two more begin far from it on either side of the fold, and four in the piece's quarters.
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
 //!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
@@ -66,6 +66,9 @@ pub const HALVINGS: u32 = 4;
 /// Below this sine of the angle between the ray and the piece, a piece counts as seen edge-on: as far as it turns, it
 /// may have a fold.
 pub const EDGE_ON: f32 = 3.0 / 8.0;
+
+/// Seeds of a piece that is seen edge-on, as shares of it.
+const QUARTERS: [[f32; 2]; 4] = [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]];
 
 /// The longest step where the piece is seen edge-on, as a share of it: a longer one might jump over a fold.
 pub const STEP_EDGE_ON: f32 = 1.0 / 2.0;
@@ -216,7 +219,8 @@ fn search_all<const CAPACITY: usize>(
     let together = |k: usize| (first[k] - last[k]).abs() <= ONE_SEED * extent(piece)[k];
     let middle = [0, 1].map(|k| 0.5 * (first[k] + last[k]));
     let given = if together(0) && together(1) { 1 } else { 2 };
-    let mut seeds = [if given == 1 { middle } else { first }, last, last, last];
+    let mut seeds = [last; 8];
+    seeds[0] = if given == 1 { middle } else { first };
     let mut count = given;
     let mut best = Outcome::Miss;
     let mut k = 0;
@@ -231,7 +235,11 @@ fn search_all<const CAPACITY: usize>(
             let fold = across_fold(&end.at);
             let away = |sign: f32| [0, 1].map(|k| inside(piece, k, end.at.uv[k] + sign * fold[k] * extent(piece)[k]));
             (seeds[given], seeds[given + 1]) = (away(1.0), away(-1.0));
-            count = given + 2;
+            for (i, quarter) in QUARTERS.iter().enumerate() {
+                let at = |k: usize| piece.rectangle[k] + quarter[k] * extent(piece)[k];
+                seeds[given + 2 + i] = [at(0), at(1)];
+            }
+            count = given + 6;
         }
         k += 1;
     }
@@ -328,7 +336,7 @@ fn arrived(piece: &PieceRecord, at: &Place, step: [f32; 2]) -> Outcome {
     let moved = moved(at, back);
     let depth = at.depth[0] + at.depth[1] * (step[0] + back[0]) + at.depth[2] * (step[1] + back[1]);
     let near = moved[0] * moved[0] + moved[1] * moved[1] <= NEAR_PX * NEAR_PX;
-    if near && depth >= 0.0 && depth <= 1.0 { Outcome::Hit { uv: inside, depth } } else { Outcome::Miss }
+    if near && (0.0..=1.0).contains(&depth) { Outcome::Hit { uv: inside, depth } } else { Outcome::Miss }
 }
 
 /// Whether the tangent plane, followed by `step`, takes [`PROMISE`] of the squared offset away. Behind the eye anything
@@ -402,7 +410,7 @@ fn slid(at: &Place, step: [f32; 2], low: [f32; 2], high: [f32; 2]) -> [f32; 2] {
     let leaves = |k: usize| (at.uv[k] <= low[k] && step[k] < 0.0) || (at.uv[k] >= high[k] && step[k] > 0.0);
     let along = |a: [f32; 2]| {
         let squared = a[0] * a[0] + a[1] * a[1];
-        if squared == 0.0 { 0.0 } else { (-(a[0] * at.offset[0] + a[1] * at.offset[1]) / squared).max(-1.0).min(1.0) }
+        if squared == 0.0 { 0.0 } else { (-(a[0] * at.offset[0] + a[1] * at.offset[1]) / squared).clamp(-1.0, 1.0) }
     };
     match [leaves(0), leaves(1)] {
         [true, true] => [0.0, 0.0],

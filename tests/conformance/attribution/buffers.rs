@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use nurbs::{Direction, Normal, Surface};
 use pipeline::enclosure::Interval;
 use raster::Options;
-use scene::{FaceId, Model};
+use scene::FaceId;
 use xtask::stage::Stage;
 
 const SURFACES: &[Scene] = &[Scene::Bicubic, Scene::ManySpans, Scene::Rational, Scene::Wave];
