@@ -339,9 +339,12 @@ fn newton_step(at: Place) -> vec2<f32> {
         step = vec2<f32>(ab * gv - vv * gu, ab * gu - uu * gv) / damped;
     }
     let longest = max(abs(step.x), abs(step.y));
-    let greatest = select(1.0, STEP_EDGE_ON, is_edge_on(at));
-    if (longest > greatest) {
-        return step * (greatest / longest);
+    // The two directions are independent but at a fold, which one of them crosses.
+    if (!is_edge_on(at)) {
+        return min(max(step, vec2<f32>(-1.0)), vec2<f32>(1.0));
+    }
+    if (longest > STEP_EDGE_ON) {
+        return step * (STEP_EDGE_ON / longest);
     }
     return step;
 }

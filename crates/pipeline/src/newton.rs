@@ -447,9 +447,15 @@ fn newton_step(at: &Place) -> [f32; 2] {
         }
         [(ab * gv - vv * gu) / det, (ab * gu - uu * gv) / det]
     };
+    // The two directions are independent but at a fold, which one of them crosses.
     let longest = step[0].abs().max(step[1].abs());
-    let greatest = if is_edge_on(at) { STEP_EDGE_ON } else { 1.0 };
-    if longest > greatest { step.map(|x| x * (greatest / longest)) } else { step }
+    if !is_edge_on(at) {
+        step.map(|x| x.clamp(-1.0, 1.0))
+    } else if longest > STEP_EDGE_ON {
+        step.map(|x| x * (STEP_EDGE_ON / longest))
+    } else {
+        step
+    }
 }
 
 #[inline(always)]
