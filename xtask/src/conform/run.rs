@@ -148,7 +148,9 @@ impl Plans {
     /// What is drawn of a scene, in order.
     fn views(&self, scene: &Scene) -> Vec<(Viewpoint, Plan)> {
         let viewpoints = self.suite.viewpoints(scene).iter();
-        viewpoints.flat_map(|&viewpoint| self.suite.plans().into_iter().map(move |plan| (viewpoint, plan))).collect()
+        viewpoints
+            .flat_map(|&viewpoint| self.suite.plans(scene).into_iter().map(move |plan| (viewpoint, plan)))
+            .collect()
     }
 
     /// Runs it, adding to `report` and handing it to `keep` after each viewpoint of a scene.
@@ -175,7 +177,7 @@ impl Plans {
                 let viewport = Viewport::new(side, side).expect("a legal size");
                 let camera = viewpoint.camera(&model, viewport);
                 let raycast = caster.render(&camera, viewport, &|_| {});
-                for (number, plan) in self.suite.plans().into_iter().enumerate() {
+                for (number, plan) in self.suite.plans(scene).into_iter().enumerate() {
                     bar.set_message(scene.name);
                     let pictured = number == 0 && viewpoint == scene.viewpoints[0];
                     let case = Sitting { scene, model: &model, caster: &caster, raycast: &raycast, pictured };
@@ -193,10 +195,14 @@ impl Plans {
 }
 
 fn scene_info(scene: &Scene) -> SceneInfo {
+    let stresses = match scene.beyond_exact {
+        None => scene.stresses.to_owned(),
+        Some(reason) => format!("{}; not drawn by technique exact: {reason}", scene.stresses),
+    };
     SceneInfo {
         name: scene.name.to_owned(),
         model: scene.model.to_owned(),
-        stresses: scene.stresses.to_owned(),
+        stresses,
         unbounded_share: scene.unbounded_share,
     }
 }

@@ -137,7 +137,8 @@ mod tests {
 
     #[test]
     fn the_sources_are_legal_and_a_mutant_changes_what_it_says() {
-        let variant = Variant { program: Program::General, curvature: true, interpolated_normal: false };
+        let technique = pipeline::Technique::Fragment;
+        let variant = Variant { technique, program: Program::General, curvature: true, interpolated_normal: false };
         let sound = wgsl::source(variant);
         assert!(is_legal(&sound));
         let generated = generate();
