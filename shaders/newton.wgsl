@@ -75,7 +75,7 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
     }
     let together = all(abs(found.first - found.last) <= ONE_SEED * extent(piece));
     let given = select(2u, 1u, together);
-    var seeds: array<vec2<f32>, 8>;
+    var seeds: array<vec2<f32>, 4>;
     seeds[0] = select(found.first, 0.5 * (found.first + found.last), together);
     seeds[1] = found.last;
     var count = given;
@@ -91,11 +91,7 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
             let away = across_fold(end.at) * extent(piece);
             seeds[given] = inside(piece, end.at.uv + away);
             seeds[given + 1u] = inside(piece, end.at.uv - away);
-            for (var i = 0u; i < 4u; i++) {
-                let quarter = vec2<f32>(0.25 + 0.5 * f32(i % 2u), 0.25 + 0.5 * f32(i / 2u));
-                seeds[given + 2u + i] = piece.rectangle.xy + quarter * extent(piece);
-            }
-            count = given + 6u;
+            count = given + 2u;
         }
     }
     return best;

@@ -75,8 +75,9 @@ fn a_numpy_renderer_agrees_with_the_ray_caster() {
     let [pair] = &pairs[..] else { panic!("one pair, not {}", pairs.len()) };
     assert_eq!((pair.reference.as_str(), pair.candidate.as_str()), ("raycast", "numpy-example"));
     assert_eq!(pair.verdict, Verdict::Agree, "{:?} {:?}", pair.causes, pair.worst.first());
-    // It evaluates in f64 by another algorithm: far inside what f32 is granted.
-    assert!(pair.covered > 700 && pair.position_share < 1e-6 && pair.normal_share < 1e-6, "{pair:?}");
+    // It evaluates in f64 by another algorithm. Its (u, v) are no f32's, so the interval is that of both neighbours and its
+    // middle is not the value itself; a tenth holds what that amounts to.
+    assert!(pair.covered > 700 && pair.position_share < 0.1 && pair.normal_share < 0.1, "{pair:?}");
     // What flat triangles are off by is there to be seen, and within the claim and the snapping.
     assert!(0.01 < pair.max_px && pair.greatest_bound_px < 0.26, "{} {}", pair.max_px, pair.greatest_bound_px);
 }

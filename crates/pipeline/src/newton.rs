@@ -7,7 +7,7 @@
 //! * **Seeds.** The ray enters and leaves the piece's hull; at both places the piece, taken as flat, says (u, v). Where
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
 //!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
-//!   that is seen edge-on, two more begin far from it on either side of the fold, and four in the piece's quarters.
+//!   that is seen edge-on, two more begin far from it on either side of the fold.
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
 //!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
@@ -66,9 +66,6 @@ pub const HALVINGS: u32 = 4;
 /// Below this sine of the angle between the ray and the piece, a piece counts as seen edge-on: as far as it turns, it
 /// may have a fold.
 pub const EDGE_ON: f32 = 3.0 / 8.0;
-
-/// Seeds of a piece that is seen edge-on, as shares of it.
-const QUARTERS: [[f32; 2]; 4] = [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]];
 
 /// The longest step where the piece is seen edge-on, as a share of it: a longer one might jump over a fold.
 pub const STEP_EDGE_ON: f32 = 1.0 / 2.0;
@@ -219,7 +216,7 @@ fn search_all<const CAPACITY: usize>(
     let together = |k: usize| (first[k] - last[k]).abs() <= ONE_SEED * extent(piece)[k];
     let middle = [0, 1].map(|k| 0.5 * (first[k] + last[k]));
     let given = if together(0) && together(1) { 1 } else { 2 };
-    let mut seeds = [last; 8];
+    let mut seeds = [last; 4];
     seeds[0] = if given == 1 { middle } else { first };
     let mut count = given;
     let mut best = Outcome::Miss;
@@ -235,11 +232,7 @@ fn search_all<const CAPACITY: usize>(
             let fold = across_fold(&end.at);
             let away = |sign: f32| [0, 1].map(|k| inside(piece, k, end.at.uv[k] + sign * fold[k] * extent(piece)[k]));
             (seeds[given], seeds[given + 1]) = (away(1.0), away(-1.0));
-            for (i, quarter) in QUARTERS.iter().enumerate() {
-                let at = |k: usize| piece.rectangle[k] + quarter[k] * extent(piece)[k];
-                seeds[given + 2 + i] = [at(0), at(1)];
-            }
-            count = given + 6;
+            count = given + 2;
         }
         k += 1;
     }
