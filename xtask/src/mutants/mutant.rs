@@ -113,7 +113,9 @@ pub fn generate() -> Generated {
     let born: Vec<(Mutant, bool)> = all
         .par_iter()
         .filter_map(|(part, site)| {
-            let candidates: Vec<Mutant> = site.replacements.iter().map(|text| Mutant::new(part, site, text)).collect();
+            let original = &part.text[site.range.clone()];
+            let others = site.replacements.iter().filter(|text| *text != original);
+            let candidates: Vec<Mutant> = others.map(|text| Mutant::new(part, site, text)).collect();
             match candidates.iter().position(Mutant::compiles) {
                 Some(legal) => Some((candidates[legal].clone(), true)),
                 None => Some((candidates.first()?.clone(), false)),
