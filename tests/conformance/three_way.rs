@@ -3,7 +3,7 @@
 use compare::{PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{ShadeKind, Shading};
 use glam::DVec3;
-use pipeline::Scheme;
+use pipeline::{Scheme, Technique};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
 use xtask::stage::{Plan, Stage};
@@ -96,6 +96,38 @@ fn three_renderers_agree_on_every_model_from_everywhere() {
     }
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
     assert!(views >= 5 * MODELS.len(), "only {views} views showed anything");
+}
+
+#[test]
+fn technique_exact_agrees_to_a_hundredth_of_a_pixel_from_everywhere() {
+    let viewport = Viewport::new(48, 48).expect("a legal size");
+    let device = gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`");
+    let plan = Plan { technique: Technique::Exact, ..Plan::default() };
+    let (mut failures, mut covered, mut unconverged) = (vec![], 0, 0);
+    for name in MODELS {
+        let model = formats::builtin(name).expect("built in");
+        let caster = Caster::new(&model);
+        for (view, camera) in cameras(&model, viewport) {
+            let stage = Stage::new(&model, camera, viewport, plan).expect("a stage");
+            let raycast = stage.raycast(&caster);
+            if raycast.covered() == 0 {
+                continue;
+            }
+            let raster = stage.raster();
+            let mut pairs = vec![stage.against_raycast(&caster, &raycast, &raster).expect("comparable")];
+            // A software adapter takes a second to compile the kernels: one view a model.
+            if view.starts_with("outside, P") {
+                let on_gpu = stage.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer;
+                pairs.push(stage.against_raycast(&caster, &raycast, &on_gpu).expect("comparable"));
+            }
+            failures.extend(words(name, &view, &pairs));
+            covered += raycast.covered();
+            unconverged += raster.undecided();
+            assert!(pairs.iter().all(|pair| pair.max_px <= compare::EXACT_PX), "{name} {view}");
+        }
+    }
+    assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
+    assert!(unconverged * 1000 <= covered, "{unconverged} of {covered}");
 }
 
 #[test]

@@ -6,6 +6,7 @@
 //! mutant gets a new one.
 
 use super::mutant::Mutant;
+use super::mutant::TRIED;
 use super::scenes::{Shown, scenes};
 use super::trial::{Catch, REFUSED, Shot, Trial};
 use anyhow::{Context, Result, bail};
@@ -94,7 +95,7 @@ pub fn serve(adapter: Option<&str>) -> Result<()> {
     Ok(())
 }
 
-/// Every scene by every technique.
+/// Every scene by every technique that is tried.
 fn techniques() -> Vec<Shown> {
     let of = |technique| {
         // Only triangles have normals to interpolate.
@@ -106,7 +107,7 @@ fn techniques() -> Vec<Shown> {
             shown
         })
     };
-    Technique::ALL.into_iter().flat_map(of).collect()
+    TRIED.into_iter().flat_map(of).collect()
 }
 
 fn answer<'s>(
