@@ -18,7 +18,7 @@
 //!
 //! **Proof.** Take each operation's rounding, and the remainder of that operation beyond first order, as a local error
 //! e: then the errors of all values obey the linearised program exactly, and |d result| ≤ Σ |∂ result / ∂ value| e with
-//! the derivatives at the exact values ([`tape`] says it with formulas). Remainders need only coarse radii of the
+//! the derivatives at the exact values (`tape` says it with formulas). Remainders need only coarse radii of the
 //! operands, carried along by ball arithmetic. All roundings are bounded relative to the exact value, 2⁻²³ for a
 //! neighbour, so that reordering and pulling out factors change no bound; sums in any order by the greatest partial sum
 //! that any order can have.
