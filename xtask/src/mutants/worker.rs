@@ -1,7 +1,7 @@
 //! Workers: child processes that try one mutant after the other, because a shader that never ends can only be stopped
 //! with its process.
 //!
-//! A worker reads one [`Job`] a line and answers with [`Word`]s: each scene as it begins, then the outcome. Where it
+//! A worker reads one [`Job`] a line and answers with words: each scene as it begins, then the outcome. Where it
 //! computes for too long, it is killed and the mutant counts as a hang; where it ends by itself, as a crash. The next
 //! mutant gets a new one.
 
