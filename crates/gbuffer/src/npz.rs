@@ -12,7 +12,7 @@
 //! | `t` | f64 | distance along the pixel's unit ray, model units | NaN | computed from `pos` and `meta`'s camera |
 //! | `pos` | f64, H × W × 3 | the point, world coordinates | NaN | refused |
 //! | `normal` | f64, H × W × 3 | unit normal; NaN where its status is undefined | NaN | refused |
-//! | `status` | u8 | [`NormalStatus`]: 0 regular, 1 limit, 2 undefined | 255 | undefined where `normal` is all NaN, else regular |
+//! | `status` | u8 | [`nurbs::NormalStatus`]: 0 regular, 1 limit, 2 undefined | 255 | undefined where `normal` is all NaN, else regular |
 //! | `k1`, `k2` | f64 | principal curvatures, 1 / model unit; NaN where there are none | NaN | both: none |
 //! | `undecided` | u8 | 1 where the renderer could not decide, else 0 | 0 or 1 | 0 |
 //! | `meta` | one text, `<U…` | a JSON object, see [`Meta`](crate::Meta); `json.loads(str(z["meta"]))` | | refused |
