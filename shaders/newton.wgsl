@@ -13,6 +13,9 @@ const SLOW: f32 = 1.0 / 2.0;
 const STEP_EDGE_ON: f32 = 1.0 / 2.0;
 const EDGE_ON: f32 = 3.0 / 8.0;
 const PATIENCE: u32 = 4u;
+const PATIENCE_EDGE_ON: u32 = 1u;
+const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
+const ONE_END: f32 = 1.0 / 64.0;
 const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
 const DAMPING: f32 = 1.0 / 1048576.0;
 const GREATEST: f32 = 3.40282346e38;
@@ -36,6 +39,7 @@ struct Sight {
 
 struct Place {
     uv: vec2<f32>,
+    w: f32,
     offset: vec2<f32>,
     squared: f32,
     along_u: vec2<f32>,
@@ -73,40 +77,33 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
     if (!found.any) {
         return Outcome(MISS, vec2<f32>(), 0.0);
     }
-    let together = all(abs(found.first - found.last) <= ONE_SEED * extent(piece));
-    let given = select(2u, 1u, together);
-    var seeds: array<vec2<f32>, 4>;
-    seeds[0] = select(found.first, 0.5 * (found.first + found.last), together);
-    seeds[1] = found.last;
-    var count = given;
+    var queue: Queue;
+    if (near(piece, found.first, found.last, ONE_SEED)) {
+        push(&queue, 0.5 * (found.first + found.last));
+    } else {
+        push(&queue, found.first);
+        push(&queue, found.last);
+    }
+    let given = queue.count;
+    var before = vec2<f32>(GREATEST);
     var best = Outcome(MISS, vec2<f32>(), 0.0);
-    for (var k = 0u; k < count; k++) {
-        let end = search(piece, s, seeds[k]);
+    for (var k = 0u; k < queue.count; k++) {
+        let end = search(piece, s, queue.seeds[k]);
         let next = end.outcome;
         let nearer = next.status == HIT && (best.status != HIT || next.depth > best.depth);
         if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
             best = next;
         }
-        if (k < given && is_edge_on(end.at)) {
-            let away = across_fold(end.at) * extent(piece);
-            seeds[given] = inside(piece, end.at.uv + away);
-            seeds[given + 1u] = inside(piece, end.at.uv - away);
-            count = given + 2u;
+        if (k < given && is_edge_on(end.at) && !near(piece, end.at.uv, before, ONE_END)) {
+            again(piece, s, end.at, next.status == HIT, &queue);
         }
+        before = end.at.uv;
     }
     return best;
 }
 
-fn across_fold(at: Place) -> vec2<f32> {
-    let aa = dot(at.along_u, at.along_u);
-    let bb = dot(at.along_v, at.along_v);
-    let ab = dot(at.along_u, at.along_v);
-    let direction = select(vec2<f32>(bb, -ab), vec2<f32>(-ab, aa), aa > bb);
-    let longest = max(abs(direction.x), abs(direction.y));
-    if (longest > 0.0) {
-        return direction / longest;
-    }
-    return vec2<f32>();
+fn near(piece: PieceRecord, a: vec2<f32>, b: vec2<f32>, share: f32) -> bool {
+    return all(abs(a - b) <= share * extent(piece));
 }
 
 fn seeds(piece: PieceRecord, s: Sight) -> Seeds {
@@ -211,14 +208,21 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> End {
         uv = min(max(best.uv + step * size, low), high);
         let promising = promises(best, (uv - best.uv) / size);
         if (improved && (slow || !promising)) {
-            let patience = select(piece.patience, PATIENCE, promising || is_edge_on(best));
-            if (doubts >= patience || all(uv == best.uv)) {
+            if (doubts >= patience(piece, best, promising) || all(uv == best.uv)) {
                 return End(Outcome(MISS, uv, 0.0), best);
             }
             doubts += 1u;
         }
     }
     return End(Outcome(UNCONVERGED, uv, 0.0), best);
+}
+
+fn patience(piece: PieceRecord, at: Place, promised: bool) -> u32 {
+    let edge_on = is_edge_on(at);
+    if (promised || (edge_on && at.squared <= NEAR_FOLD_PX * NEAR_FOLD_PX)) {
+        return PATIENCE;
+    }
+    return select(piece.patience, max(piece.patience, PATIENCE_EDGE_ON), edge_on);
 }
 
 fn arrived(piece: PieceRecord, at: Place, step: vec2<f32>) -> Outcome {
@@ -257,6 +261,7 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     let w = plane(s.w, d.s);
     var out: Place;
     out.uv = uv;
+    out.w = w;
     out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / w;
     out.squared = select(GREATEST, dot(out.offset, out.offset), w > 0.0);
     let squared_pixels = dot(s.x.xyz, s.x.xyz) / (w * w);

@@ -7,7 +7,7 @@
 //! * **Seeds.** The ray enters and leaves the piece's hull; at both places the piece, taken as flat, says (u, v). Where
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
 //!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
-//!   that is seen edge-on, two more begin far from it on either side of the fold.
+//!   that is seen edge-on, [`fold`] says where the ray may meet the piece again, and more searches begin there.
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
 //!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
@@ -17,17 +17,23 @@
 //!   is quadratic in it and bounded by how far a piece turns ([`LAST_BEND_PX`]) and recedes; on a twisted piece only an
 //!   offset that was evaluated counts. Or where the tangent plane, followed as far as
 //!   the step may go, brings the offset not even to half ([`PROMISE`]): it has a minimum there that is no zero, or the
-//!   ray passes the piece; where the piece is seen edge-on, or a collapsed edge twists it, the search has some
+//!   ray passes the piece. Where the tangent plane promises much and holds little, close by a fold
+//!   ([`NEAR_FOLD_PX`]), and where a collapsed edge twists the piece, the search has some
 //!   [patience](PieceRecord::patience). Or after
 //!   [`EVALUATIONS`].
 //! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] of its border, between the near
 //!   and the far plane. A miss where it lies beyond, or where no step promised enough. Anything else has not converged,
 //!   and says so.
 
+mod fold;
+
+pub use fold::{ASIDE, QUEUE, SAMPLES, SHORT};
+
 use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives};
 use crate::lanes::Lanes;
 use crate::layout::{PieceRecord, View};
+use fold::Queue;
 use nurbs::MAX_ORDER;
 
 /// Evaluations of S from one seed, at most.
@@ -70,9 +76,18 @@ pub const EDGE_ON: f32 = 3.0 / 8.0;
 /// The longest step where the piece is seen edge-on, as a share of it: a longer one might jump over a fold.
 pub const STEP_EDGE_ON: f32 = 1.0 / 2.0;
 
-/// Doubtful steps which a search takes where the piece is seen edge-on, or on a piece whose derivatives
-/// change by more than they measure where they are least, as at a collapsed edge.
+/// Doubtful steps which a search takes after a step that promised much, close by a fold, or on a piece whose
+/// derivatives change by more than they measure where they are least, as at a collapsed edge.
 pub const PATIENCE: u32 = 4;
+
+/// The same farther from a fold: what the piece does beyond the fold is not for this search to find.
+pub const PATIENCE_EDGE_ON: u32 = 1;
+
+/// A search that is nearer than this to the ray where the piece is seen edge-on is close by a fold, pixels.
+pub const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
+
+/// Two searches that end nearer to each other than this share of the piece have ended at one place.
+pub const ONE_END: f32 = 1.0 / 64.0;
 
 /// Below this determinant, as a share of the squared columns, the columns count as nearly parallel.
 pub const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
@@ -122,6 +137,7 @@ impl Sight {
 #[derive(Debug, Clone, Copy)]
 struct Place {
     uv: [f32; 2],
+    w: f32,
     /// Offset from the pixel, pixels.
     offset: [f32; 2],
     /// Its square; the greatest number behind the eye.
@@ -140,6 +156,14 @@ struct Place {
     depth: [f32; 3],
 }
 
+/// A pixel's ray, and the piece that it may meet.
+struct Problem<'a> {
+    scene: &'a PackedScene,
+    piece: &'a PieceRecord,
+    sight: &'a Sight,
+    degree: [usize; 2],
+}
+
 /// Where a search ended.
 struct End {
     outcome: Outcome,
@@ -150,10 +174,12 @@ struct End {
 pub fn solve(scene: &PackedScene, piece: &PieceRecord, sight: &Sight) -> Outcome {
     let Some(seeds) = seeds(piece, sight) else { return Outcome::Miss };
     let face = &scene.faces[piece.face as usize];
-    match [face.degree_u, face.degree_v] {
-        [3, 3] => search_all::<4>(scene, piece, sight, [3, 3], seeds),
-        [5, 5] => search_all::<6>(scene, piece, sight, [5, 5], seeds),
-        [p, q] => search_all::<MAX_ORDER>(scene, piece, sight, [p as usize, q as usize], seeds),
+    let degree = [face.degree_u, face.degree_v].map(|p| p as usize);
+    let problem = Problem { scene, piece, sight, degree };
+    match degree {
+        [3, 3] => Problem { degree: [3, 3], ..problem }.search_all::<4>(seeds),
+        [5, 5] => Problem { degree: [5, 5], ..problem }.search_all::<6>(seeds),
+        _ => problem.search_all::<MAX_ORDER>(seeds),
     }
 }
 
@@ -205,48 +231,130 @@ fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<[[f32; 2]; 2]> {
     Some([parameters(near), parameters(far)])
 }
 
-#[inline(always)]
-fn search_all<const CAPACITY: usize>(
-    scene: &PackedScene,
-    piece: &PieceRecord,
-    sight: &Sight,
-    degree: [usize; 2],
-    [first, last]: [[f32; 2]; 2],
-) -> Outcome {
-    let together = |k: usize| (first[k] - last[k]).abs() <= ONE_SEED * extent(piece)[k];
-    let middle = [0, 1].map(|k| 0.5 * (first[k] + last[k]));
-    let given = if together(0) && together(1) { 1 } else { 2 };
-    let mut seeds = [last; 4];
-    seeds[0] = if given == 1 { middle } else { first };
-    let mut count = given;
-    let mut best = Outcome::Miss;
-    let mut k = 0;
-    while k < count {
-        let end = search::<CAPACITY>(scene, piece, sight, degree, seeds[k]);
-        best = match (best, end.outcome) {
-            (Outcome::Hit { depth: old, .. }, Outcome::Hit { depth: new, .. }) if new <= old => best,
-            (_, Outcome::Hit { .. }) | (Outcome::Miss, Outcome::Unconverged) => end.outcome,
-            _ => best,
-        };
-        if k < given && is_edge_on(&end.at) {
-            let fold = across_fold(&end.at);
-            let away = |sign: f32| [0, 1].map(|k| inside(piece, k, end.at.uv[k] + sign * fold[k] * extent(piece)[k]));
-            (seeds[given], seeds[given + 1]) = (away(1.0), away(-1.0));
-            count = given + 2;
+impl Problem<'_> {
+    #[inline(always)]
+    fn search_all<const CAPACITY: usize>(&self, [first, last]: [[f32; 2]; 2]) -> Outcome {
+        let extent = extent(self.piece);
+        let near = |a: [f32; 2], b: [f32; 2], share: f32| (0..2).all(|k| (a[k] - b[k]).abs() <= share * extent[k]);
+        let mut queue = Queue { seeds: [[0.0; 2]; QUEUE], count: 0 };
+        if near(first, last, ONE_SEED) {
+            queue.push([0, 1].map(|k| 0.5 * (first[k] + last[k])));
+        } else {
+            queue.push(first);
+            queue.push(last);
         }
-        k += 1;
+        let given = queue.count;
+        let mut before = [f32::MAX; 2];
+        let mut best = Outcome::Miss;
+        let mut k = 0;
+        while k < queue.count {
+            let end = self.search::<CAPACITY>(queue.seeds[k]);
+            best = match (best, end.outcome) {
+                (Outcome::Hit { depth: old, .. }, Outcome::Hit { depth: new, .. }) if new <= old => best,
+                (_, Outcome::Hit { .. }) | (Outcome::Miss, Outcome::Unconverged) => end.outcome,
+                _ => best,
+            };
+            if k < given && is_edge_on(&end.at) && !near(end.at.uv, before, ONE_END) {
+                let is_met = matches!(end.outcome, Outcome::Hit { .. });
+                fold::again::<CAPACITY>(self, &end.at, is_met, &mut queue);
+            }
+            before = end.at.uv;
+            k += 1;
+        }
+        best
     }
-    best
-}
 
-/// The direction in which the offset changes least, as shares of the piece, one piece long: it leads across a fold.
-fn across_fold(at: &Place) -> [f32; 2] {
-    let Place { along_u: a, along_v: b, .. } = *at;
-    let (aa, bb) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
-    let ab = a[0] * b[0] + a[1] * b[1];
-    let direction = if aa > bb { [-ab, aa] } else { [bb, -ab] };
-    let longest = direction[0].abs().max(direction[1].abs());
-    if longest > 0.0 { [direction[0] / longest, direction[1] / longest] } else { [0.0; 2] }
+    #[inline(always)]
+    fn search<const CAPACITY: usize>(&self, seed: [f32; 2]) -> End {
+        let piece = self.piece;
+        let extent = extent(piece);
+        let low = [0, 1].map(|k| piece.rectangle[k] - BEYOND * extent[k]);
+        let high = [0, 1].map(|k| piece.rectangle[2 + k] + BEYOND * extent[k]);
+        let mut uv = seed;
+        let mut best = self.place::<CAPACITY>(uv);
+        let mut step = slid(&best, newton_step(&best), low, high);
+        let (mut doubts, mut halvings) = (0, 0);
+        for k in 0..EVALUATIONS {
+            let (mut improved, mut slow) = (true, false);
+            if k > 0 {
+                let next = self.place::<CAPACITY>(uv);
+                improved = next.squared < best.squared;
+                slow = next.squared > (1.0 - SLOW) * best.squared;
+                if improved {
+                    best = next;
+                    step = slid(&best, newton_step(&best), low, high);
+                    halvings = 0;
+                } else if halvings == HALVINGS {
+                    return End { outcome: Outcome::Miss, at: best };
+                } else {
+                    step = step.map(|x| x * 0.5);
+                    halvings += 1;
+                }
+            }
+            let longest = step[0].abs().max(step[1].abs());
+            let bend = longest * longest;
+            let recedes = best.recedes[0] * step[0] + best.recedes[1] * step[1];
+            let is_last = piece.patience == 0
+                && bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
+                && recedes * recedes * best.squared <= FINE_PX * FINE_PX
+                && left_squared(&best, step) <= FINE_PX * FINE_PX;
+            if is_last {
+                return End { outcome: arrived(piece, &best, step), at: best };
+            }
+            if best.squared <= FINE_PX * FINE_PX {
+                return End { outcome: arrived(piece, &best, [0.0; 2]), at: best };
+            }
+            uv = [0, 1].map(|k| (best.uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
+            let promising = promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k]));
+            if improved && (slow || !promising) {
+                if doubts >= patience(piece, &best, promising) || uv == best.uv {
+                    return End { outcome: Outcome::Miss, at: best };
+                }
+                doubts += 1;
+            }
+        }
+        End { outcome: Outcome::Unconverged, at: best }
+    }
+
+    #[inline(always)]
+    fn place<const CAPACITY: usize>(&self, uv: [f32; 2]) -> Place {
+        let Self { scene, piece, sight, degree } = *self;
+        let face = &scene.faces[piece.face as usize];
+        let [ku, kv] = scene.knots(face);
+        let [span_u, span_v] = [piece.span_u as usize, piece.span_v as usize];
+        let nu: Basis<CAPACITY, 1> = eval::basis(ku, degree[0], span_u, Lanes([uv[0]]), false);
+        let nv: Basis<CAPACITY, 1> = eval::basis(kv, degree[1], span_v, Lanes([uv[1]]), false);
+        let d: Derivatives<1> = eval::surface(face, degree, &scene.points, span_u, span_v, &nu, &nv, false);
+        let [s, su, sv] = [d.s, d.su, d.sv].map(|x| x.map(|x| x.0[0]));
+        let extent = extent(piece);
+        let w = plane(&sight.w, s);
+        let offset = [plane(&sight.x, s) / w, plane(&sight.y, s) / w];
+        let depth = plane(&sight.z, s) / w;
+        // The derivative of a quotient: what is left of the plane's own slope is that of w, seen at the offset.
+        let along = |derivative: [f32; 3], extent: f32| {
+            let of = |p: &[f32; 4]| dot([p[0], p[1], p[2]], derivative);
+            let (slope, share) = (of(&sight.w), extent / w);
+            let quotient = |p: &[f32; 4], value: f32| (of(p) - value * slope) * share;
+            [quotient(&sight.x, offset[0]), quotient(&sight.y, offset[1]), quotient(&sight.z, depth), slope * share]
+        };
+        let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
+        let right = [sight.x[0], sight.x[1], sight.x[2]];
+        let squared_pixels = dot(right, right) / (w * w);
+        let side_u = dot(su, su) * (extent[0] * extent[0]) * squared_pixels;
+        let side_v = dot(sv, sv) * (extent[1] * extent[1]) * squared_pixels;
+        Place {
+            uv,
+            w,
+            offset,
+            squared: if w > 0.0 { offset[0] * offset[0] + offset[1] * offset[1] } else { f32::MAX },
+            along_u: [along_u[0], along_u[1]],
+            along_v: [along_v[0], along_v[1]],
+            side_squared: side_u.max(side_v),
+            sides_squared: side_u * side_v,
+            recedes: [along_u[3], along_v[3]],
+            depth: [depth, along_u[2], along_v[2]],
+        }
+    }
 }
 
 /// A parameter moved into the part of the piece where seeds may stand.
@@ -260,62 +368,17 @@ fn extent(piece: &PieceRecord) -> [f32; 2] {
     [piece.rectangle[2] - piece.rectangle[0], piece.rectangle[3] - piece.rectangle[1]]
 }
 
+/// Doubtful steps that a search takes after a step that promised much or not.
 #[inline(always)]
-fn search<const CAPACITY: usize>(
-    scene: &PackedScene,
-    piece: &PieceRecord,
-    sight: &Sight,
-    degree: [usize; 2],
-    seed: [f32; 2],
-) -> End {
-    let extent = extent(piece);
-    let low = [0, 1].map(|k| piece.rectangle[k] - BEYOND * extent[k]);
-    let high = [0, 1].map(|k| piece.rectangle[2 + k] + BEYOND * extent[k]);
-    let mut uv = seed;
-    let mut best = place::<CAPACITY>(scene, piece, sight, degree, uv);
-    let mut step = slid(&best, newton_step(&best), low, high);
-    let (mut doubts, mut halvings) = (0, 0);
-    for k in 0..EVALUATIONS {
-        let (mut improved, mut slow) = (true, false);
-        if k > 0 {
-            let next = place::<CAPACITY>(scene, piece, sight, degree, uv);
-            improved = next.squared < best.squared;
-            slow = next.squared > (1.0 - SLOW) * best.squared;
-            if improved {
-                best = next;
-                step = slid(&best, newton_step(&best), low, high);
-                halvings = 0;
-            } else if halvings == HALVINGS {
-                return End { outcome: Outcome::Miss, at: best };
-            } else {
-                step = step.map(|x| x * 0.5);
-                halvings += 1;
-            }
-        }
-        let longest = step[0].abs().max(step[1].abs());
-        let bend = longest * longest;
-        let recedes = best.recedes[0] * step[0] + best.recedes[1] * step[1];
-        let is_last = piece.patience == 0
-            && bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
-            && recedes * recedes * best.squared <= FINE_PX * FINE_PX
-            && left_squared(&best, step) <= FINE_PX * FINE_PX;
-        if is_last {
-            return End { outcome: arrived(piece, &best, step), at: best };
-        }
-        if best.squared <= FINE_PX * FINE_PX {
-            return End { outcome: arrived(piece, &best, [0.0; 2]), at: best };
-        }
-        uv = [0, 1].map(|k| (best.uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
-        let promising = promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k]));
-        if improved && (slow || !promising) {
-            let patience = if promising || is_edge_on(&best) { PATIENCE } else { piece.patience };
-            if doubts >= patience || uv == best.uv {
-                return End { outcome: Outcome::Miss, at: best };
-            }
-            doubts += 1;
-        }
+fn patience(piece: &PieceRecord, at: &Place, promised: bool) -> u32 {
+    let is_edge_on = is_edge_on(at);
+    if promised || (is_edge_on && at.squared <= NEAR_FOLD_PX * NEAR_FOLD_PX) {
+        PATIENCE
+    } else if is_edge_on {
+        piece.patience.max(PATIENCE_EDGE_ON)
+    } else {
+        piece.patience
     }
-    End { outcome: Outcome::Unconverged, at: best }
 }
 
 /// What it means to end at a place and a step from there.
@@ -351,50 +414,6 @@ fn left_squared(at: &Place, step: [f32; 2]) -> f32 {
 #[inline(always)]
 fn moved(at: &Place, step: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| at.along_u[k] * step[0] + at.along_v[k] * step[1])
-}
-
-#[inline(always)]
-fn place<const CAPACITY: usize>(
-    scene: &PackedScene,
-    piece: &PieceRecord,
-    sight: &Sight,
-    degree: [usize; 2],
-    uv: [f32; 2],
-) -> Place {
-    let face = &scene.faces[piece.face as usize];
-    let [ku, kv] = scene.knots(face);
-    let [span_u, span_v] = [piece.span_u as usize, piece.span_v as usize];
-    let nu: Basis<CAPACITY, 1> = eval::basis(ku, degree[0], span_u, Lanes([uv[0]]), false);
-    let nv: Basis<CAPACITY, 1> = eval::basis(kv, degree[1], span_v, Lanes([uv[1]]), false);
-    let d: Derivatives<1> = eval::surface(face, degree, &scene.points, span_u, span_v, &nu, &nv, false);
-    let [s, su, sv] = [d.s, d.su, d.sv].map(|x| x.map(|x| x.0[0]));
-    let extent = extent(piece);
-    let w = plane(&sight.w, s);
-    let offset = [plane(&sight.x, s) / w, plane(&sight.y, s) / w];
-    let depth = plane(&sight.z, s) / w;
-    // The derivative of a quotient: what is left of the plane's own slope is that of w, seen at the offset.
-    let along = |derivative: [f32; 3], extent: f32| {
-        let of = |p: &[f32; 4]| dot([p[0], p[1], p[2]], derivative);
-        let (slope, share) = (of(&sight.w), extent / w);
-        let quotient = |p: &[f32; 4], value: f32| (of(p) - value * slope) * share;
-        [quotient(&sight.x, offset[0]), quotient(&sight.y, offset[1]), quotient(&sight.z, depth), slope * share]
-    };
-    let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
-    let right = [sight.x[0], sight.x[1], sight.x[2]];
-    let squared_pixels = dot(right, right) / (w * w);
-    let side_u = dot(su, su) * (extent[0] * extent[0]) * squared_pixels;
-    let side_v = dot(sv, sv) * (extent[1] * extent[1]) * squared_pixels;
-    Place {
-        uv,
-        offset,
-        squared: if w > 0.0 { offset[0] * offset[0] + offset[1] * offset[1] } else { f32::MAX },
-        along_u: [along_u[0], along_u[1]],
-        along_v: [along_v[0], along_v[1]],
-        side_squared: side_u.max(side_v),
-        sides_squared: side_u * side_v,
-        recedes: [along_u[3], along_v[3]],
-        depth: [depth, along_u[2], along_v[2]],
-    }
 }
 
 /// A step that would leave the part that may be searched: along the border instead, to where the offset is least.

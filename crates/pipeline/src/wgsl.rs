@@ -21,6 +21,8 @@ pub const OUTPUT: &str = include_str!("../../../shaders/output.wgsl");
 pub const ENTRY: &str = include_str!("../../../shaders/entry.wgsl");
 /// Ray ∩ piece, for technique `exact`.
 pub const NEWTON: &str = include_str!("../../../shaders/newton.wgsl");
+/// [`crate::newton`]'s fold.
+pub const FOLD: &str = include_str!("../../../shaders/fold.wgsl");
 /// Entry points of technique `exact`.
 pub const ENTRY_EXACT: &str = include_str!("../../../shaders/entry_exact.wgsl");
 
@@ -44,6 +46,7 @@ pub const PARTS: &[Part] = &[
     Part { of: None, file: "output.wgsl", text: OUTPUT },
     Part { of: Some(Technique::Fragment), file: "entry.wgsl", text: ENTRY },
     Part { of: Some(Technique::Exact), file: "newton.wgsl", text: NEWTON },
+    Part { of: Some(Technique::Exact), file: "fold.wgsl", text: FOLD },
     Part { of: Some(Technique::Exact), file: "entry_exact.wgsl", text: ENTRY_EXACT },
 ];
 

@@ -115,8 +115,15 @@ fn constants_have_the_same_values() {
     assert_eq!(constant(&exact, "EVALUATIONS"), Literal::U32(newton::EVALUATIONS));
     assert_eq!(constant(&exact, "HALVINGS"), Literal::U32(newton::HALVINGS));
     assert_eq!(constant(&exact, "PATIENCE"), Literal::U32(newton::PATIENCE));
+    assert_eq!(constant(&exact, "PATIENCE_EDGE_ON"), Literal::U32(newton::PATIENCE_EDGE_ON));
+    assert_eq!(constant(&exact, "SAMPLES"), Literal::U32(newton::SAMPLES));
+    assert_eq!(constant(&exact, "QUEUE"), Literal::U32(newton::QUEUE as u32));
     for (name, value) in [
         ("FINE_PX", newton::FINE_PX),
+        ("NEAR_FOLD_PX", newton::NEAR_FOLD_PX),
+        ("ONE_END", newton::ONE_END),
+        ("ASIDE", newton::ASIDE),
+        ("SHORT", newton::SHORT),
         ("NEAR_PX", newton::NEAR_PX),
         ("LAST_BEND_PX", newton::LAST_BEND_PX),
         ("PROMISE", newton::PROMISE),
