@@ -3,6 +3,7 @@
 mod arrows;
 mod attribution;
 mod evaluation;
+mod folds;
 mod foreign;
 mod golden;
 mod judging;

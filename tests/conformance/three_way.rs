@@ -130,6 +130,21 @@ fn technique_exact_agrees_to_a_hundredth_of_a_pixel_from_everywhere() {
     assert!(unconverged * 1000 <= covered, "{unconverged} of {covered}");
 }
 
+/// Where a fold's edge runs through a pixel, a triangle seen edge-on may be interpolated far along the ray by one
+/// rasterizer and hidden in the other.
+#[test]
+fn a_triangle_seen_edge_on_at_a_fold_is_granted_its_chord_and_no_more() {
+    let viewport = Viewport::new(56, 56).expect("a legal size");
+    let device = gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`");
+    for name in ["degree-1x9", "degree-8x2"] {
+        let model = formats::builtin(name).expect("built in");
+        let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, Plan::default()).expect("a stage");
+        let on_gpu = stage.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer;
+        let pair = stage.against_raster(&stage.raster(), &on_gpu).expect("comparable");
+        assert!(pair.verdict == compare::Verdict::Agree, "{name}: {:?}", pair.worst.first());
+    }
+}
+
 #[test]
 fn the_general_program_and_the_specialised_ones_give_the_same_answer() {
     let viewport = Viewport::new(SIDE, SIDE).expect("a legal size");

@@ -18,7 +18,7 @@ use gbuffer::{GBuffer, Picture, ShadeKind, Shading};
 use pictures::Pictures;
 use pipeline::{DEFAULT_CHORD_PX, Scheme, Technique};
 use raycast::Caster;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -75,12 +75,21 @@ pub struct DrawingArgs {
 }
 
 /// Where the surface is evaluated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum TechniqueName {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+pub enum TechniqueName {
     /// A coarse tessellation carries (u, v, face); each fragment evaluates the surface (Kanai 2007)
     Fragment,
     /// Hulls of nearly flat pieces; each fragment solves for the point on its pixel's ray
     Exact,
+}
+
+impl From<TechniqueName> for Technique {
+    fn from(name: TechniqueName) -> Self {
+        match name {
+            TechniqueName::Fragment => Technique::Fragment,
+            TechniqueName::Exact => Technique::Exact,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -131,15 +140,11 @@ impl Shade {
 impl DrawingArgs {
     /// The same in the renderers' own words.
     pub fn plan(&self) -> Plan {
-        let technique = match self.technique {
-            TechniqueName::Fragment => Technique::Fragment,
-            TechniqueName::Exact => Technique::Exact,
-        };
         let scheme = match self.scheme {
             SchemeName::Specialised => Scheme::Specialised,
             SchemeName::General => Scheme::General,
         };
-        Plan { technique, scheme, chord_px: self.chord, unbounded_share: self.unbounded }
+        Plan { technique: self.technique.into(), scheme, chord_px: self.chord, unbounded_share: self.unbounded }
     }
 }
 

@@ -9,11 +9,13 @@ pub mod token;
 pub mod trial;
 pub mod worker;
 
+use crate::compare::TechniqueName;
 use crate::format::Format;
 use crate::terminal;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use mutant::{Generated, Mutant, generate};
+use pipeline::Technique;
 use report::{Report, Tried};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -34,6 +36,9 @@ const DEFAULT_JOBS: usize = 2;
 /// Exit code 0: all others were caught; 1: some survive, or the list is stale; 2: something could not run.
 #[derive(Debug, Args)]
 pub struct MutantsArgs {
+    /// The technique whose parts are changed; those that both share are changed with `fragment`
+    #[arg(long, value_enum, default_value = "fragment")]
+    technique: TechniqueName,
     /// Only mutants of this file, or of one line of it, as in eval.wgsl:27; may be given several times
     #[arg(long, value_name = "FILE[:LINE]")]
     at: Vec<String>,
@@ -73,8 +78,11 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let reviewed = record::reviewed()?;
-    let Generated { mutants, stillborn } = generate();
+    let Generated { mut mutants, mut stillborn } = generate();
     let unknown = report::unknown(&reviewed, &mutants);
+    let technique = Technique::from(args.technique);
+    mutants.retain(|mutant| mutant.technique() == technique);
+    stillborn.retain(|mutant| mutant.technique() == technique);
     let mut chosen = if args.at.is_empty() { mutants.clone() } else { at_places(&mutants, &args.at)? };
     if let Some(count) = args.sample {
         let is_reviewed = |m: &Mutant| reviewed.iter().any(|group| group.mutants.contains(&m.key));
@@ -103,7 +111,7 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
 /// What becomes of each.
 fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
     let mut first = Worker::new(args.adapter.as_deref());
-    if let Outcome::Caught(catch) = first.outcome(None)? {
+    if let Outcome::Caught(catch) = first.outcome(None, args.technique)? {
         bail!("the sources as they are do not agree on {}: {}: {}", catch.scene, catch.cause, catch.detail);
     }
     let bar = terminal::progress("mutants", mutants.len());
@@ -111,7 +119,7 @@ fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
     let found: Mutex<Vec<(usize, Result<Outcome>)>> = Mutex::new(vec![]);
     let work = |mut worker: Worker| {
         while let Some((index, mutant)) = Some(next.fetch_add(1, Relaxed)).and_then(|i| Some((i, mutants.get(i)?))) {
-            let outcome = worker.outcome(Some(mutant));
+            let outcome = worker.outcome(Some(mutant), args.technique);
             let failed = outcome.is_err();
             found.lock().expect("no holder panics").push((index, outcome));
             bar.inc(1);
@@ -150,8 +158,9 @@ fn at_places(mutants: &[Mutant], places: &[String]) -> Result<Vec<Mutant>> {
         let before = chosen.len();
         chosen.extend(mutants.iter().filter(is_there).cloned());
         if chosen.len() == before {
-            let files: Vec<&str> = pipeline::wgsl::PARTS.iter().map(|part| part.file).collect();
-            bail!("--at {place:?}: no mutant is there; the files are {}", files.join(", "));
+            let mut files: Vec<&str> = mutants.iter().map(|m| m.key.file.as_str()).collect();
+            files.dedup();
+            bail!("--at {place:?}: no mutant is there; the files of this technique are {}", files.join(", "));
         }
     }
     Ok(chosen)

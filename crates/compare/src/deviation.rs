@@ -72,7 +72,7 @@ impl Deviation {
         Self {
             text: format!(
                 "claimed chord of {chord_px} px at each face's nearest depth + {SNAP_PX} px of vertex snapping + \
-                 {ATTRIBUTE_ULPS} ulp of interpolated parameters; rounding of S: running bound to first order"
+                 {ATTRIBUTE_ULPS} ulp of interpolated parameters"
             ),
             ..Self::of_proxy(model, &chord)
         }
@@ -88,7 +88,7 @@ impl Deviation {
             edge_chord: none.clone(),
             attribute: none,
             snap_px: EXACT_PX,
-            text: format!("{EXACT_PX} px from the pixel's ray; rounding of S: running bound to first order"),
+            text: format!("{EXACT_PX} px from the pixel's ray"),
         }
     }
 
@@ -100,7 +100,11 @@ impl Deviation {
             edge_chord: sum(&self.edge_chord, &other.edge_chord),
             attribute: sum(&self.attribute, &other.attribute),
             snap_px: self.snap_px + other.snap_px,
-            text: format!("both of: {} | {}", self.text, other.text),
+            text: if self.text == other.text {
+                format!("on either side {}", self.text)
+            } else {
+                format!("both of: {} | {}", self.text, other.text)
+            },
         }
     }
 

@@ -94,7 +94,7 @@ impl Pair<'_, '_> {
                 return Err(self.misplaced(candidate, center, across_px, bound_px));
             }
         } else if !self.is_drawn_nearby(center, bound_px, reference, candidate, slack)
-            && !self.is_beyond_an_edge(center, bound_px, reference, candidate, s)
+            && !self.is_beyond_an_edge(center, bound_px, reference, candidate, s, slack)
         {
             let cause = match reference {
                 None => Cause::Coverage,
@@ -178,8 +178,9 @@ impl Pair<'_, '_> {
         draws(&mut grid.filter(|offset| offset.length() <= 1.0).map(|offset| center + bound_px * offset))
     }
 
-    /// Whether an edge of the drawing passes within the bound, and the candidate's point `s` is as near to the pixel's
-    /// ray as the chord allows: it was interpolated beyond its triangle.
+    /// Whether an edge of the drawing passes within the bound, of a face or of a fold, where depth leaps by more than
+    /// `slack`, and the candidate's point `s` is as near to the pixel's ray as the chord allows: it was interpolated
+    /// beyond its triangle.
     fn is_beyond_an_edge(
         &self,
         center: DVec2,
@@ -187,15 +188,17 @@ impl Pair<'_, '_> {
         reference: Option<&Hit>,
         candidate: &Hit,
         s: DVec3,
+        slack: f64,
     ) -> bool {
         let face = candidate.face.0 as usize;
         let radius = self.deviation.edge_chord[face] + self.deviation.model_units(face);
         let chord_px = self.judge.camera.pixels_within(self.judge.viewport, s, radius) + self.deviation.snap_px;
-        let identity = |hit: Option<Hit>| hit.map(|h| h.face);
+        let is_other = |q: Option<Hit>| match (q, reference) {
+            (Some(q), Some(r)) => q.face != r.face || (q.t - r.t).abs() > slack,
+            (q, r) => q.is_some() != r.is_some(),
+        };
         self.judge.picture(s).is_some_and(|p| p.distance(center) <= chord_px)
-            && self
-                .around(center, bound_px, reference.or(Some(candidate)))
-                .any(|q| identity(q) != identity(reference.copied()))
+            && self.around(center, bound_px, reference.or(Some(candidate))).any(is_other)
     }
 
     /// Whether a sample shows the candidate's point: same face, same place in the picture and in depth.

@@ -22,7 +22,7 @@ const TILE: u32 = 8;
 const ROW: u32 = 65_535;
 
 /// Workgroups of the kernels whose threads share work of unknown size: enough to fill the largest chips.
-const SHARING: u32 = 4096;
+const SHARING: u32 = 16_384;
 
 /// Indices of a hull in a proxy.
 const INDICES_A_PIECE: u32 = 36;

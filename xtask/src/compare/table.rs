@@ -22,7 +22,7 @@ pub(super) fn print(report: &Report) {
     if let Some(shaded) = &report.shaded {
         let verdict = if shaded.verdict == Verdict::Agree { "agree" } else { "DIFFER" };
         let at = shaded.first.map_or(String::new(), |[x, y]| format!(", first at ({x}, {y})"));
-        println!("shaded in the fragment stage: {} of {} pixels differ{at}: {verdict}", shaded.differ, shaded.covered);
+        println!("picture shaded by the GPU: {} of {} pixels differ{at}: {verdict}", shaded.differ, shaded.covered);
     }
     if report.undecided > 0 {
         println!("the ray caster left {} pixels undecided", report.undecided);

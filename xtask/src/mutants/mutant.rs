@@ -86,13 +86,18 @@ impl Mutant {
         wgsl::source(variant).replacen(part.text, &changed, 1)
     }
 
+    /// The technique by which it is tried: that of its part, `fragment` for the parts of all.
+    pub fn technique(&self) -> Technique {
+        self.part().of.unwrap_or_default()
+    }
+
     fn part(&self) -> &'static Part {
         PARTS.iter().find(|part| part.file == self.key.file).expect("mutants are made of the parts")
     }
 
     /// Whether naga accepts it, in the program of the lowest degree: the one of the smallest arrays.
     fn compiles(&self) -> bool {
-        let technique = self.part().of.unwrap_or_default();
+        let technique = self.technique();
         let program = Program::Degree(3);
         is_legal(&self.source(Variant { technique, program, curvature: true, interpolated_normal: false }))
     }
@@ -106,19 +111,11 @@ fn is_legal(source: &str) -> bool {
     })
 }
 
-/// The techniques whose programs are changed and tried. The kernels of `exact` are not yet: their scenes and the review of
-/// their survivors are missing.
-pub const TRIED: [Technique; 1] = [Technique::Fragment];
-
-/// All mutants of the parts of the programs of [`TRIED`]. At each site the first replacement that compiles makes the mutant; where
-/// none does, the first is stillborn.
+/// All mutants of all parts of the programs. At each site the first replacement that compiles makes the mutant; where none
+/// does, the first is stillborn.
 pub fn generate() -> Generated {
-    let tried = |part: &&Part| part.of.is_none_or(|technique| TRIED.contains(&technique));
-    let all: Vec<(&Part, Site)> = PARTS
-        .iter()
-        .filter(tried)
-        .flat_map(|part| sites(part.text).into_iter().map(move |site| (part, site)))
-        .collect();
+    let all: Vec<(&Part, Site)> =
+        PARTS.iter().flat_map(|part| sites(part.text).into_iter().map(move |site| (part, site))).collect();
     let born: Vec<(Mutant, bool)> = all
         .par_iter()
         .filter_map(|(part, site)| {
@@ -160,7 +157,7 @@ mod tests {
             assert_eq!(text[mutant.start..mutant.end], mutant.key.original);
             let line = text.lines().nth(mutant.line - 1).unwrap();
             assert!(line[mutant.column - 1..].starts_with(mutant.key.original.lines().next().unwrap()), "{mutant:?}");
-            let variant = variant(mutant.part().of.unwrap_or_default());
+            let variant = variant(mutant.technique());
             assert!(mutant.source(variant) != wgsl::source(variant), "{mutant:?}");
         }
     }

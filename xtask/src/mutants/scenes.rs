@@ -4,7 +4,7 @@ use crate::stage::Plan;
 use gbuffer::ShadeKind;
 use glam::DVec3;
 use nurbs::{Direction, KnotVector, Surface};
-use pipeline::Scheme;
+use pipeline::{Scheme, Technique};
 use scene::{Camera, Face, Model, Projection, Viewport};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -31,8 +31,23 @@ pub struct Shown {
 /// Side of the pictures.
 const SIDE: usize = 40;
 
-/// All of them, in the order in which a mutant meets them.
-pub fn scenes() -> Vec<Shown> {
+/// Those of a technique, in the order in which a mutant meets them.
+pub fn scenes(technique: Technique) -> Vec<Shown> {
+    let scenes = match technique {
+        Technique::Fragment => triangles(),
+        Technique::Exact => hulls(),
+    };
+    let drawn = |mut shown: Shown| {
+        shown.plan.technique = technique;
+        // Poles on purpose: what has no bound is not what is tried.
+        shown.plan.unbounded_share = 1.0;
+        shown
+    };
+    scenes.into_iter().map(drawn).collect()
+}
+
+/// What shows the evaluation, the status of normals, and the interpolation over triangles.
+fn triangles() -> Vec<Shown> {
     vec![
         Shown { shade: ShadeKind::Zebra, ..framed("weights and knots", builtin("rational"), Scheme::Specialised) },
         Shown {
@@ -63,6 +78,36 @@ pub fn scenes() -> Vec<Shown> {
         cusp("slow in v", true),
         vertex_normals(ShadeKind::Normal),
         vertex_normals(ShadeKind::Gaussian),
+    ]
+}
+
+/// What shows the search for roots: folds, grazing views, poles, hulls that the near plane cuts, and hulls of all sizes.
+fn hulls() -> Vec<Shown> {
+    let beside = |name, model: &str, eye: [f64; 3], fov_deg| {
+        let model = builtin(model);
+        let (center, size) = (model.hull().center(), model.hull().diagonal());
+        let projection = Projection::Perspective { fov_deg };
+        let eye = center + size * DVec3::from_array(eye);
+        let camera = Camera::look_at(eye, center, DVec3::Z, projection).expect("legal");
+        Shown { camera, ..framed(name, model, Scheme::Specialised) }
+    };
+    let large = |shown: Shown, side| Shown { viewport: Viewport::new(side, side).expect("a legal size"), ..shown };
+    vec![
+        Shown { shade: ShadeKind::Zebra, ..framed("weights and knots", builtin("rational"), Scheme::Specialised) },
+        framed("many faces", builtin("teapot"), Scheme::Specialised),
+        Shown {
+            shade: ShadeKind::Phong,
+            ..orthographic(framed("no perspective", builtin("torus"), Scheme::Specialised))
+        },
+        pole_on_a_centre(),
+        beside("grazing", "torus", [1.1, 0.2, 0.06], 45.0),
+        beside("across waves", "surface", [0.5, 0.1, 0.03], 60.0),
+        beside("within", "teapot", [0.02, 0.03, 0.05], 60.0),
+        beside("within a wave", "surface", [0.02, 0.03, 0.05], 60.0),
+        large(beside("close to a fold", "torus", [0.34, 0.02, 0.17], 20.0), 96),
+        large(beside("close to two folds", "surface", [0.3, 0.3, 0.05], 20.0), 96),
+        large(beside("large hulls", "rational", [0.0, -0.1, 0.6], 20.0), 96),
+        framed("degrees 5 and 2", builtin("quintic-quadratic"), Scheme::General),
     ]
 }
 

@@ -6,9 +6,9 @@
 //! mutant gets a new one.
 
 use super::mutant::Mutant;
-use super::mutant::TRIED;
 use super::scenes::{Shown, scenes};
 use super::trial::{Catch, REFUSED, Shot, Trial};
+use crate::compare::TechniqueName;
 use anyhow::{Context, Result, bail};
 use pipeline::Technique;
 use pipeline::wgsl;
@@ -18,9 +18,9 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// Processor time after which a scene is called a hang: a sound one takes a second at most. What other programs take
-/// does not count.
-const CPU_LIMIT: Duration = Duration::from_secs(15);
+/// Processor time after which a scene is called a hang: a sound one takes ten seconds at most, to compile the kernels of
+/// technique `exact` for any degree. What other programs take does not count.
+const CPU_LIMIT: Duration = Duration::from_secs(30);
 
 /// Time after which a scene is called a hang where the processor waits for a hardware GPU.
 const WALL_LIMIT: Duration = Duration::from_secs(300);
@@ -40,6 +40,8 @@ const MESA: [(&str, &str); 2] = [("MESA_SHADER_CACHE_DISABLE", "true"), ("GALLIV
 pub struct Job {
     /// The change; none asks whether the sources as they are agree on every scene.
     pub mutant: Option<Mutant>,
+    /// The technique by which the scenes are drawn.
+    pub technique: TechniqueName,
 }
 
 /// What a worker says.
@@ -70,7 +72,7 @@ pub enum Outcome {
 /// Where there is no adapter or a job cannot be read.
 pub fn serve(adapter: Option<&str>) -> Result<()> {
     let device = gpu::Device::open(adapter)?;
-    let shown: Vec<Shown> = techniques();
+    let shown: Vec<Shown> = Technique::ALL.into_iter().flat_map(scenes).collect();
     let mut trials: Vec<Option<Trial>> = shown.iter().map(|_| None).collect();
     let say = |word: Word| -> Result<()> {
         let mut out = std::io::stdout().lock();
@@ -95,21 +97,6 @@ pub fn serve(adapter: Option<&str>) -> Result<()> {
     Ok(())
 }
 
-/// Every scene by every technique that is tried.
-fn techniques() -> Vec<Shown> {
-    let of = |technique| {
-        // Only triangles have normals to interpolate.
-        let drawn = scenes().into_iter().filter(move |shown| technique == Technique::Fragment || !shown.vertex_normals);
-        drawn.map(move |mut shown| {
-            shown.plan.technique = technique;
-            // Poles on purpose: what has no bound is not what is tried.
-            shown.plan.unbounded_share = 1.0;
-            shown
-        })
-    };
-    TRIED.into_iter().flat_map(of).collect()
-}
-
 fn answer<'s>(
     device: &gpu::Device,
     shown: &'s [Shown],
@@ -118,8 +105,9 @@ fn answer<'s>(
     say: &dyn Fn(Word) -> Result<()>,
 ) -> Result<Outcome> {
     let source = |variant| job.mutant.as_ref().map_or_else(|| wgsl::source(variant), |mutant| mutant.source(variant));
+    let technique = Technique::from(job.technique);
     let mut agreed = 0;
-    for (shown, trial) in shown.iter().zip(trials) {
+    for (shown, trial) in shown.iter().zip(trials).filter(|(shown, _)| shown.plan.technique == technique) {
         say(Word::Scene(shown.name.to_owned()))?;
         let trial = match trial {
             Some(trial) => trial,
@@ -153,16 +141,16 @@ impl Worker {
         Self { adapter: adapter.map(str::to_owned), running: None }
     }
 
-    /// What becomes of a mutant, or of the sources as they are.
+    /// What becomes of a mutant, or of the sources as they are, drawn by a technique.
     ///
     /// # Errors
     /// Where a worker cannot be started or cannot judge.
-    pub fn outcome(&mut self, mutant: Option<&Mutant>) -> Result<Outcome> {
+    pub fn outcome(&mut self, mutant: Option<&Mutant>, technique: TechniqueName) -> Result<Outcome> {
         if self.running.is_none() {
             self.running = Some(Running::start(self.adapter.as_deref())?);
         }
         let running = self.running.as_mut().expect("just started");
-        let asked = running.ask(&Job { mutant: mutant.cloned() });
+        let asked = running.ask(&Job { mutant: mutant.cloned(), technique });
         let mut scene = "start".to_owned();
         let (cause, detail) = loop {
             let word = if asked.is_ok() { running.word() } else { Err(RecvTimeoutError::Disconnected) };

@@ -1,4 +1,4 @@
-//! Measures rays a second on one thread: `cargo run --release -p raycast --example rate [REPEATS]`.
+//! Measures rays a second on one thread: `cargo run --release -p raycast --example ray_rate [REPEATS]`.
 //!
 //! The surface is a bicubic rational one of 14 × 6 control points (33 patches), a wavy sheet with random weights. "Top-down" rays
 //! come from above within a cone of 25°, "grazing" ones meet it at 1° to 12° from the plane of the sheet.

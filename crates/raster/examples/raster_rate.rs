@@ -1,6 +1,6 @@
 //! Rates of the rasterizer: the fragment program alone, and whole frames; optionally a picture of what was drawn.
 //!
-//! `cargo run --release -p raster --example rate [PICTURE.png]`
+//! `cargo run --release -p raster --example raster_rate [PICTURE.png]`
 
 use gbuffer::{GBuffer, Meta};
 use glam::{DVec2, DVec3};
