@@ -139,6 +139,13 @@ pub fn run(args: &BenchArgs) -> Result<()> {
             ["raster", "gpu"].map(|renderer| Sample::new(format!("{renderer}, {what}"), "frames/s", reference.clone()))
         })
         .collect();
+    let mut checking: Vec<Sample> = drawn
+        .clone()
+        .map(|((model, ..), technique)| {
+            let what = format!("raycast | raster, {} {}x{}, {}", model.name(), args.side, args.side, technique.name());
+            Sample::new(format!("checking {what}"), "× the slower renderer", "≤ 3".to_owned())
+        })
+        .collect();
     let bar = crate::terminal::progress("rounds", usize::from(args.rounds));
     for round in 0..args.rounds {
         evaluation[0].values.push(evaluate_f64(&rational, &points));
@@ -153,6 +160,9 @@ pub fn run(args: &BenchArgs) -> Result<()> {
                 on_gpu.values.push(frames.on_gpu(device)?);
             }
         }
+        for (((model, ..), technique), sample) in drawn.clone().zip(&mut checking) {
+            sample.values.push(check(model, viewport, Plan { technique, ..args.drawing.plan() })?);
+        }
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -160,6 +170,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         .into_iter()
         .chain(casting)
         .chain(drawing.into_iter().flatten())
+        .chain(checking)
         .filter(|sample| !sample.values.is_empty())
         .map(Sample::figure)
         .collect();
@@ -269,6 +280,22 @@ fn cast(caster: &Caster, rays: &[Ray]) -> f64 {
         black_box(caster.first(ray));
     }
     start.elapsed().as_secs_f64() * 1e6 / rays.len() as f64
+}
+
+/// The time of comparing a picture of the rasterizer with one of the ray caster, over that of the slower of the two.
+fn check(model: &Model, viewport: Viewport, plan: Plan) -> Result<f64> {
+    let stage = Stage::new(model, Camera::framing(model, viewport), viewport, plan)?;
+    let caster = Caster::new(model);
+    let seconds = |since: Instant| since.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let raycast = stage.raycast(&caster);
+    let cast = seconds(start);
+    let start = Instant::now();
+    let raster = stage.raster();
+    let drawn = seconds(start);
+    let start = Instant::now();
+    black_box(stage.against_raycast(&caster, &raycast, &raster)?);
+    Ok(seconds(start) / cast.max(drawn))
 }
 
 /// Cameras around a model: the frames of a rotating object.

@@ -7,7 +7,7 @@
 //! * **Seeds.** The ray enters and leaves the piece's hull; at both places the piece, taken as flat, says (u, v). Where
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
 //!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
-//!   that is seen edge-on, [`fold`] says where the ray may meet the piece again, and more searches begin there.
+//!   that is seen edge-on, `fold` says where the ray may meet the piece again, and more searches begin there.
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
 //!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
