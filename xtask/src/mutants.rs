@@ -78,11 +78,9 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let reviewed = record::reviewed()?;
-    let Generated { mut mutants, mut stillborn } = generate();
-    let unknown = report::unknown(&reviewed, &mutants);
     let technique = Technique::from(args.technique);
-    mutants.retain(|mutant| mutant.technique() == technique);
-    stillborn.retain(|mutant| mutant.technique() == technique);
+    let Generated { mutants, stillborn } = generate(technique);
+    let unknown = report::unknown(&reviewed, &mutants, technique);
     let mut chosen = if args.at.is_empty() { mutants.clone() } else { at_places(&mutants, &args.at)? };
     if let Some(count) = args.sample {
         let is_reviewed = |m: &Mutant| reviewed.iter().any(|group| group.mutants.contains(&m.key));

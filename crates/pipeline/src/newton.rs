@@ -268,8 +268,7 @@ impl Problem<'_> {
     fn search<const CAPACITY: usize>(&self, seed: [f32; 2]) -> End {
         let piece = self.piece;
         let extent = extent(piece);
-        let low = [0, 1].map(|k| piece.rectangle[k] - BEYOND * extent[k]);
-        let high = [0, 1].map(|k| piece.rectangle[2 + k] + BEYOND * extent[k]);
+        let [low, high] = searched(piece);
         let mut uv = seed;
         let mut best = self.place::<CAPACITY>(uv);
         let mut step = slid(&best, newton_step(&best), low, high);
@@ -362,6 +361,16 @@ impl Problem<'_> {
 fn inside(piece: &PieceRecord, k: usize, t: f32) -> f32 {
     let margin = INSIDE * extent(piece)[k];
     t.max(piece.rectangle[k] + margin).min(piece.rectangle[2 + k] - margin)
+}
+
+/// The least and the greatest parameters to which the search may go.
+#[inline(always)]
+fn searched(piece: &PieceRecord) -> [[f32; 2]; 2] {
+    let extent = extent(piece);
+    [
+        [0, 1].map(|k| piece.rectangle[k] - BEYOND * extent[k]),
+        [0, 1].map(|k| piece.rectangle[2 + k] + BEYOND * extent[k]),
+    ]
 }
 
 fn extent(piece: &PieceRecord) -> [f32; 2] {

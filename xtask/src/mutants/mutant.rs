@@ -86,21 +86,21 @@ impl Mutant {
         wgsl::source(variant).replacen(part.text, &changed, 1)
     }
 
-    /// The technique by which it is tried: that of its part, `fragment` for the parts of all.
-    pub fn technique(&self) -> Technique {
-        self.part().of.unwrap_or_default()
-    }
-
     fn part(&self) -> &'static Part {
         PARTS.iter().find(|part| part.file == self.key.file).expect("mutants are made of the parts")
     }
 
     /// Whether naga accepts it, in the program of the lowest degree: the one of the smallest arrays.
     fn compiles(&self) -> bool {
-        let technique = self.technique();
+        let technique = tried_by(self.part());
         let program = Program::Degree(3);
         is_legal(&self.source(Variant { technique, program, curvature: true, interpolated_normal: false }))
     }
+}
+
+/// The technique by which a part is tried: its own, `fragment` for the parts of all.
+pub fn tried_by(part: &Part) -> Technique {
+    part.of.unwrap_or_default()
 }
 
 /// Whether a program parses and validates.
@@ -111,11 +111,14 @@ fn is_legal(source: &str) -> bool {
     })
 }
 
-/// All mutants of all parts of the programs. At each site the first replacement that compiles makes the mutant; where none
-/// does, the first is stillborn.
-pub fn generate() -> Generated {
-    let all: Vec<(&Part, Site)> =
-        PARTS.iter().flat_map(|part| sites(part.text).into_iter().map(move |site| (part, site))).collect();
+/// All mutants of the parts that are tried by a technique. At each site the first replacement that compiles makes the
+/// mutant; where none does, the first is stillborn.
+pub fn generate(technique: Technique) -> Generated {
+    let all: Vec<(&Part, Site)> = PARTS
+        .iter()
+        .filter(|part| tried_by(part) == technique)
+        .flat_map(|part| sites(part.text).into_iter().map(move |site| (part, site)))
+        .collect();
     let born: Vec<(Mutant, bool)> = all
         .par_iter()
         .filter_map(|(part, site)| {
@@ -150,22 +153,22 @@ mod tests {
         for technique in pipeline::Technique::ALL {
             assert!(is_legal(&wgsl::source(variant(technique))));
         }
-        let generated = generate();
-        assert!(generated.mutants.len() >= 60, "{}", generated.mutants.len());
-        for mutant in &generated.mutants {
+        let generated = pipeline::Technique::ALL.map(generate);
+        assert!(generated.iter().all(|of| of.mutants.len() >= 60));
+        for mutant in generated.iter().flat_map(|of| &of.mutants) {
             let text = PARTS.iter().find(|part| part.file == mutant.key.file).unwrap().text;
             assert_eq!(text[mutant.start..mutant.end], mutant.key.original);
             let line = text.lines().nth(mutant.line - 1).unwrap();
             assert!(line[mutant.column - 1..].starts_with(mutant.key.original.lines().next().unwrap()), "{mutant:?}");
-            let variant = variant(mutant.technique());
+            let variant = variant(tried_by(mutant.part()));
             assert!(mutant.source(variant) != wgsl::source(variant), "{mutant:?}");
         }
     }
 
     #[test]
     fn keys_tell_all_mutants_apart() {
-        let generated = generate();
-        let keys: std::collections::HashSet<_> = generated.mutants.iter().map(|m| &m.key).collect();
-        assert_eq!(keys.len(), generated.mutants.len());
+        let mutants = pipeline::Technique::ALL.map(generate).map(|of| of.mutants).concat();
+        let keys: std::collections::HashSet<_> = mutants.iter().map(|m| &m.key).collect();
+        assert_eq!(keys.len(), mutants.len());
     }
 }

@@ -1,11 +1,13 @@
 //! What became of the mutants, for people and for machines.
 
-use super::mutant::{Key, Mutant};
+use super::mutant::{Key, Mutant, tried_by};
 use super::record::{Group, Kind};
 use super::worker::Outcome;
 use crate::format::Format;
 use anyhow::Result;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use pipeline::Technique;
+use pipeline::wgsl::PARTS;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -53,9 +55,10 @@ pub struct Report {
     pub mutants: Vec<Tried>,
 }
 
-/// Entries of the list that match no mutant.
-pub fn unknown(reviewed: &[Group], mutants: &[Mutant]) -> Vec<Key> {
-    let keys = reviewed.iter().flat_map(|group| &group.mutants);
+/// Entries of the list that match no mutant, those apart of parts that another technique tries.
+pub fn unknown(reviewed: &[Group], mutants: &[Mutant], technique: Technique) -> Vec<Key> {
+    let is_of_another = |key: &Key| PARTS.iter().any(|part| part.file == key.file && tried_by(part) != technique);
+    let keys = reviewed.iter().flat_map(|group| &group.mutants).filter(|key| !is_of_another(key));
     keys.filter(|key| !mutants.iter().any(|m| m.key == **key)).cloned().collect()
 }
 

@@ -7,7 +7,7 @@
 //! its values and slopes at the start and where the curve leaves the piece. Where the cubic changes its sign, the next
 //! search begins; a root that is known already is divided out before.
 
-use super::{BEYOND, Place, Problem, extent};
+use super::{BEYOND, Place, Problem, extent, searched};
 
 /// Room for the two seeds that the hull gives and, for the end of each, the three roots of the cubics on either side.
 pub const QUEUE: usize = 2 + 2 * 2 * 3;
@@ -45,9 +45,8 @@ pub(super) fn again<const CAPACITY: usize>(problem: &Problem, end: &Place, is_me
     let mut start = *end;
     if aside(&start).abs() > ASIDE {
         let k = stronger(&start);
-        start.uv[k] = (start.uv[k] + aside(&start) * extent[k])
-            .max(rectangle[k] - BEYOND * extent[k])
-            .min(rectangle[2 + k] + BEYOND * extent[k]);
+        let [low, high] = searched(problem.piece);
+        start.uv[k] = (start.uv[k] + aside(&start) * extent[k]).max(low[k]).min(high[k]);
         start = problem.place::<CAPACITY>(start.uv);
     }
     let strong = stronger(&start);
