@@ -2,7 +2,7 @@
 
 use crate::terminal;
 use anyhow::{Result, bail};
-use compare::{Deviation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict};
+use compare::{Deviation, Interpolation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, shade_tolerant};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval, enclose};
 use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
@@ -59,6 +59,8 @@ pub struct Stage<'m> {
     pub proxy: Proxy,
     /// How the camera sees each face.
     pub views: Vec<View>,
+    /// How accurately its parameters are interpolated over them.
+    pub interpolation: Interpolation,
 }
 
 /// The three G-buffers of a stage; the GPU's where there was an adapter.
@@ -133,7 +135,8 @@ impl<'m> Stage<'m> {
             Technique::Exact => Proxy::hulls(model, &scene, &camera, viewport)?,
         };
         let views = scene.views(model, &camera, viewport);
-        Ok(Self { model, camera, viewport, plan, scene, proxy, views })
+        let interpolation = Interpolation::of(model);
+        Ok(Self { model, camera, viewport, plan, scene, proxy, views, interpolation })
     }
 
     /// The rasterizer of this stage.
@@ -261,8 +264,8 @@ impl<'m> Stage<'m> {
     /// The allowance against the surface itself, or between two renderers of the same triangles.
     fn deviation(&self, exact: bool) -> Deviation {
         match (self.plan.technique, exact) {
-            (Technique::Fragment, true) => Deviation::of_proxy(self.model, &self.proxy.chord),
-            (Technique::Fragment, false) => Deviation::of_same_proxy(self.model, &self.proxy.chord),
+            (Technique::Fragment, true) => Deviation::of_proxy(&self.interpolation, &self.proxy.chord),
+            (Technique::Fragment, false) => Deviation::of_same_proxy(&self.interpolation, &self.proxy.chord),
             (Technique::Exact, true) => Deviation::exact(self.model),
             (Technique::Exact, false) => Deviation::exact(self.model).either(&Deviation::exact(self.model)),
         }

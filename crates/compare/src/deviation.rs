@@ -1,6 +1,7 @@
 //! How far across the ray a candidate's point may lie from what the reference shows, before any rounding of S itself.
 
 use nurbs::{DerivativeBounds, Surface};
+use rayon::prelude::*;
 use scene::{Camera, Model, Viewport};
 
 /// Vertices snap to 1/256 pixel, each coordinate by at most half of it; a viewport transform in f32 adds less than
@@ -13,6 +14,18 @@ pub const ATTRIBUTE_ULPS: f64 = 16.0;
 
 /// A renderer that finds the point on the pixel's own ray, rather than on a triangle's, may be this far off, pixels.
 pub const EXACT_PX: f64 = 0.01;
+
+/// What the accuracy of interpolated parameters amounts to on each face of a model, model units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interpolation(Vec<f64>);
+
+impl Interpolation {
+    /// [`ATTRIBUTE_ULPS`] of each domain at the greatest speeds of its surface.
+    pub fn of(model: &Model) -> Self {
+        let per_surface: Vec<f64> = model.surfaces().par_iter().map(attribute_of).collect();
+        Self(model.faces().iter().map(|face| per_surface[face.surface]).collect())
+    }
+}
 
 /// The allowance of a pair of renderers.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,11 +47,11 @@ pub struct Deviation {
 
 impl Deviation {
     /// A rasterizer of flat triangles, whose chord bounds are given a face, against the surface itself.
-    pub fn of_proxy(model: &Model, chord: &[f64]) -> Self {
+    pub fn of_proxy(interpolation: &Interpolation, chord: &[f64]) -> Self {
         Self {
             chord: chord.to_vec(),
             edge_chord: chord.to_vec(),
-            attribute: attribute(model),
+            attribute: interpolation.0.clone(),
             snap_px: SNAP_PX,
             text: format!(
                 "chord bound of the tessellation (Filip, Magedson & Markot 1986) + {SNAP_PX} px of vertex snapping + \
@@ -48,11 +61,11 @@ impl Deviation {
     }
 
     /// Two rasterizers of the same triangles, whose chord bounds are given a face.
-    pub fn of_same_proxy(model: &Model, chord: &[f64]) -> Self {
+    pub fn of_same_proxy(interpolation: &Interpolation, chord: &[f64]) -> Self {
         Self {
-            chord: vec![0.0; model.faces().len()],
+            chord: vec![0.0; chord.len()],
             edge_chord: chord.to_vec(),
-            attribute: attribute(model),
+            attribute: interpolation.0.clone(),
             snap_px: 2.0 * SNAP_PX,
             text: format!(
                 "the same triangles, so no chord but at their edges: {} px of vertex snapping + {ATTRIBUTE_ULPS} ulp of interpolated \
@@ -74,7 +87,7 @@ impl Deviation {
                 "claimed chord of {chord_px} px at each face's nearest depth + {SNAP_PX} px of vertex snapping + \
                  {ATTRIBUTE_ULPS} ulp of interpolated parameters"
             ),
-            ..Self::of_proxy(model, &chord)
+            ..Self::of_proxy(&Interpolation::of(model), &chord)
         }
     }
 
@@ -112,11 +125,6 @@ impl Deviation {
     pub fn model_units(&self, face: usize) -> f64 {
         self.chord[face] + self.attribute[face]
     }
-}
-
-fn attribute(model: &Model) -> Vec<f64> {
-    let per_surface: Vec<f64> = model.surfaces().iter().map(attribute_of).collect();
-    model.faces().iter().map(|face| per_surface[face.surface]).collect()
 }
 
 fn attribute_of(surface: &Surface) -> f64 {

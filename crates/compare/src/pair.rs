@@ -286,20 +286,4 @@ impl Pair<'_, '_> {
             false
         })
     }
-
-    /// Whether the reference's own picture changes within the bound of a pixel's centre.
-    pub fn is_partial(&self, x: usize, y: usize, center: DVec2) -> bool {
-        let (width, height) = (self.judge.viewport.width(), self.judge.viewport.height());
-        let own = self.reference.get(x, y);
-        let identity = |hit: Option<&Hit>| hit.map(|h| h.face);
-        let neighbours = (y.saturating_sub(1)..(y + 2).min(height))
-            .flat_map(|j| (x.saturating_sub(1)..(x + 2).min(width)).map(move |i| (i, j)));
-        let mut shown: Vec<Option<&Hit>> = neighbours.map(|(i, j)| self.reference.get(i, j)).collect();
-        shown.push(self.candidate.get(x, y));
-        if shown.iter().all(|hit| identity(*hit) == identity(own)) {
-            return false;
-        }
-        let bound = shown.iter().flatten().fold(self.deviation.snap_px, |b: f64, hit| b.max(self.bound_at(hit)));
-        self.around(center, bound, own).any(|q| identity(q.as_ref()) != identity(own))
-    }
 }

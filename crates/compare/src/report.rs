@@ -17,14 +17,14 @@ pub enum Verdict {
     Differ,
 }
 
-/// Pixels by what the reference's exact edges say of them.
+/// Pixels by who covers them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Coverage {
-    /// Covered, with no edge within the bound.
+    /// Covered by both.
     pub full: usize,
-    /// Within the bound of an edge.
+    /// Covered by one alone: beside an edge within the bound, or else a difference of coverage.
     pub partial: usize,
-    /// Not covered, with no edge within the bound.
+    /// Covered by neither.
     pub none: usize,
 }
 

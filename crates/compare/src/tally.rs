@@ -4,7 +4,6 @@ use crate::judge::Difference;
 use crate::pair::Pair;
 use crate::report::{Coverage, Identical, PairReport, PixelReport, Verdict, WORST};
 use crate::{Cause, Histograms};
-use glam::DVec2;
 
 /// The share of covered pixels that may stay undecided in an agreement.
 pub const UNDECIDED_SHARE: f64 = 1e-3;
@@ -58,13 +57,10 @@ impl Tally {
             same.alike += usize::from(alike);
             same.identical += usize::from(alike && a == b);
         }
-        let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-        let class = if pair.is_partial(x, y, center) {
-            &mut report.coverage.partial
-        } else if reference.is_some() {
-            &mut report.coverage.full
-        } else {
-            &mut report.coverage.none
+        let class = match (reference, pair.candidate.get(x, y)) {
+            (Some(_), Some(_)) => &mut report.coverage.full,
+            (None, None) => &mut report.coverage.none,
+            _ => &mut report.coverage.partial,
         };
         *class += 1;
         match pair.pixel(x, y) {

@@ -262,7 +262,8 @@ impl<const CAPACITY: usize> Run<'_, CAPACITY> {
     /// Bounds of the errors of up to eight values on the tape.
     fn bounds(&self, results: [Option<Number>; OUTPUTS]) -> [Error; OUTPUTS] {
         let mut budget = Budget::ZERO;
-        let adjoints = self.tape.sweep(&results, &mut budget);
+        let mut adjoints = [Adjoint::ZERO; tape::NODES];
+        self.tape.sweep(&results, &mut budget, &mut adjoints);
         let of_sums: [[Adjoint; 4]; ORDERS.len()] = std::array::from_fn(|order| match &self.leaves[order] {
             Some(leaves) => leaves.map(|leaf| adjoints[leaf.index]),
             None => [Adjoint::ZERO; 4],

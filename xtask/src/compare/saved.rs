@@ -140,7 +140,7 @@ impl SavedFile {
     fn deviation(&self, saved: &Saved, plan: Plan, twins: Option<&Stage>) -> Result<Deviation> {
         let Saved { model, camera, viewport, .. } = saved;
         match (self.buffer.meta().technique.as_str(), twins.filter(|_| self.origin == Origin::Twin)) {
-            ("fragment", Some(stage)) => Ok(Deviation::of_proxy(model, &stage.proxy.chord)),
+            ("fragment", Some(stage)) => Ok(Deviation::of_proxy(&stage.interpolation, &stage.proxy.chord)),
             ("fragment", None) => Ok(Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px)),
             ("exact" | "rays", _) => Ok(Deviation::exact(model)),
             (other, _) => bail!("{}: meta's technique {other:?} is none of fragment, exact, rays", self.place()),

@@ -9,8 +9,11 @@
 use super::error::{Adjoint, Budget, DIVISION, DIVISORS, Error, FLUSH, NEIGHBOUR, OUTPUTS, ROOT};
 
 /// The longest program recorded (rational, with curvatures) has 97 operations and 239 operands.
-const NODES: usize = 112;
+pub(super) const NODES: usize = 112;
 const EDGES: usize = 256;
+
+/// The derivatives of the results by each node.
+pub(super) type Adjoints = [Adjoint; NODES];
 
 /// A recorded value: exact, and how far from it the program may be.
 #[derive(Debug, Clone, Copy)]
@@ -199,10 +202,9 @@ impl Tape {
         self.node(value, radius + own, Error::rounding(own) + Error::both(beyond))
     }
 
-    /// Charges every local error to the results, and returns the derivatives of the results by all nodes.
-    #[inline]
-    pub fn sweep(&self, results: &[Option<Number>; OUTPUTS], budget: &mut Budget) -> [Adjoint; NODES] {
-        let mut adjoints = [Adjoint::ZERO; NODES];
+    /// Charges every local error to the results, and leaves the derivatives of the results by all nodes in `adjoints`.
+    pub fn sweep(&self, results: &[Option<Number>; OUTPUTS], budget: &mut Budget, adjoints: &mut Adjoints) {
+        adjoints[..self.nodes].fill(Adjoint::ZERO);
         for (k, result) in results.iter().enumerate() {
             if let Some(number) = result {
                 adjoints[number.index].0[k] = 1.0;
@@ -216,7 +218,6 @@ impl Tape {
                 adjoints[usize::from(of)].add(&adjoint, partial);
             }
         }
-        adjoints
     }
 }
 
@@ -246,7 +247,8 @@ mod tests {
         let mut results = [None; OUTPUTS];
         results[0] = Some(result);
         let mut budget = Budget::ZERO;
-        let adjoints = tape.sweep(&results, &mut budget);
+        let mut adjoints = [Adjoint::ZERO; NODES];
+        tape.sweep(&results, &mut budget, &mut adjoints);
         let linear: f64 = leaves.iter().zip(radii).map(|(leaf, r)| adjoints[leaf.index].0[0].abs() * r).sum();
         Some((result.value, linear + budget.of(0).rounding))
     }
