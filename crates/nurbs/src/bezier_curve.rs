@@ -4,7 +4,7 @@ use crate::MAX_ORDER;
 use glam::{DVec2, DVec3};
 
 /// Halvings before an area stops being refined; each gains at least a factor 2³² on an analytic integrand.
-const AREA_HALVINGS: u32 = 24;
+const AREA_HALVINGS: u32 = 12;
 
 /// The relative change, in units of the control polygon's own area scale, below which an area is accepted.
 const AREA_AGREES: f64 = 1e-14;
@@ -183,19 +183,22 @@ impl BezierCurve {
     pub fn area(&self, about: DVec2) -> f64 {
         let hull = self.hull();
         let reach = (hull.min - about).abs().max((hull.max - about).abs());
-        let scale = reach.x * reach.y;
+        // Beside the agreement that is asked for, what the coordinates' own rounding leaves.
+        let size = reach.max_element();
+        let rounding = 8.0 * f64::EPSILON * size * (size + about.abs().max_element());
+        let enough = AREA_AGREES * reach.x * reach.y + rounding;
         let whole = self.quadrature(about, 0.0, 1.0);
-        if self.is_rational() { self.refined_area(about, [0.0, 1.0], whole, scale, AREA_HALVINGS) } else { whole }
+        if self.is_rational() { self.refined_area(about, [0.0, 1.0], whole, enough, AREA_HALVINGS) } else { whole }
     }
 
-    fn refined_area(&self, about: DVec2, [a, b]: [f64; 2], whole: f64, scale: f64, halvings: u32) -> f64 {
+    fn refined_area(&self, about: DVec2, [a, b]: [f64; 2], whole: f64, enough: f64, halvings: u32) -> f64 {
         let middle = 0.5 * (a + b);
         let (low, high) = (self.quadrature(about, a, middle), self.quadrature(about, middle, b));
-        if halvings == 0 || (low + high - whole).abs() <= AREA_AGREES * scale {
+        if halvings == 0 || (low + high - whole).abs() <= enough {
             return low + high;
         }
-        self.refined_area(about, [a, middle], low, scale, halvings - 1)
-            + self.refined_area(about, [middle, b], high, scale, halvings - 1)
+        self.refined_area(about, [a, middle], low, enough, halvings - 1)
+            + self.refined_area(about, [middle, b], high, enough, halvings - 1)
     }
 
     fn quadrature(&self, about: DVec2, a: f64, b: f64) -> f64 {

@@ -24,7 +24,7 @@ type Numerator = [f64; NUMERATOR_ORDER];
 impl BezierCurve {
     /// The curve cut at the extrema of u and of v, in order, each piece in standard form.
     ///
-    /// On each piece u and v are monotone up to rounding: a step back is at most 4 p ulp of the largest coordinate.
+    /// On each piece u and v are monotone up to rounding: a step back is at most 8 p ε of the largest coordinate.
     /// The last point of a piece is to the bit the first of the next, the outer ends are those of the curve. A
     /// coordinate that is constant up to rounding has no extrema. A curve without turns is one piece.
     pub fn monotone_pieces(&self) -> Vec<BezierCurve> {
@@ -85,11 +85,17 @@ impl BezierCurve {
             }
             p
         };
-        let floor = low.abs().max(high.abs()) * f64::EPSILON * 8.0;
-        let noise = (ROUNDING * size + floor) * weight * weight;
+        let rounding = low.abs().max(high.abs()) * f64::EPSILON * 8.0;
+        let noise = (ROUNDING * size + rounding) * weight * weight;
         let mut found = vec![];
         isolate(&numerator, order, noise, [0.0, 1.0], HALVINGS, &mut found);
-        found.retain(|t| 0.0 < *t && *t < 1.0);
+        // A turn from which the curve does not come back by more than rounding is none.
+        let ends = [self.start(), self.end()];
+        let steps_back = |t: f64| {
+            let at = self.point(t);
+            ends.iter().all(|end| rounding * p as f64 <= (at[axis] - end[axis]).abs())
+        };
+        found.retain(|&t| 0.0 < t && t < 1.0 && steps_back(t));
         found
     }
 }
