@@ -24,6 +24,18 @@ pub(crate) fn blossom(knots: &KnotVector, span: usize, control: &[DVec4], argume
     d[p]
 }
 
+/// The Bézier points of `span`: blossoms at (a, …, a, b, …, b), all convex.
+pub(crate) fn bezier_points(knots: &KnotVector, span: usize, control: &[DVec4], [a, b]: [f64; 2]) -> Vec<DVec4> {
+    let p = knots.degree();
+    (0..=p)
+        .map(|k| {
+            let mut arguments = [a; MAX_ORDER];
+            arguments[p - k..p].fill(b);
+            blossom(knots, span, control, &arguments[..p])
+        })
+        .collect()
+}
+
 /// The control points of the same spline over `finer`, whose degree may be one higher.
 ///
 /// `finer` contains every knot of `knots` at least as often (once more each, where the degree is raised) over the

@@ -1,4 +1,4 @@
-//! Non-uniform rational B-spline surfaces in f64.
+//! Non-uniform rational B-spline surfaces, and the plane curves that trim them, in f64.
 //!
 //! Everything above the renderers' f32 programs rests on this crate: a [`Surface`] is validated once and then
 //! evaluated ([`Surface::point`], [`Surface::first_derivatives`], [`Surface::second_derivatives`]), interrogated
@@ -7,16 +7,21 @@
 
 mod basis;
 mod bezier;
+mod bezier_curve;
 mod blossom;
 mod bounds;
+mod curve;
 mod differential;
 mod error;
 mod knots;
+mod monotone;
 mod surface;
 
 pub use basis::basis_derivatives;
 pub use bezier::BezierPatch;
+pub use bezier_curve::{BezierCurve, Rectangle};
 pub use bounds::{DerivativeBounds, Hull};
+pub use curve::Curve;
 pub use differential::{Curvature, Normal, NormalStatus, SurfacePoint};
 pub use error::NurbsError;
 pub use knots::KnotVector;

@@ -1,7 +1,7 @@
 //! Tensor-product NURBS surfaces: construction, evaluation, refinement.
 
 use crate::basis::{Basis, basis, binomial};
-use crate::blossom::{blossom, reexpress};
+use crate::blossom::{bezier_points, reexpress};
 use crate::bounds::Hull;
 use crate::{BezierPatch, KnotVector, MAX_ORDER, NurbsError, basis_derivatives};
 use glam::{DVec3, DVec4};
@@ -89,21 +89,12 @@ impl Surface {
         if points.len() != expected {
             return Err(NurbsError::PointCount { expected, found: points.len() });
         }
-        let usable = |x: f64| x.abs() <= GREATEST_COORDINATE;
         if let Some(index) = points.iter().position(|p| !p.to_array().into_iter().all(usable)) {
             let value = points[index].to_array().into_iter().find(|&x| !usable(x)).expect("one is not usable");
             return Err(NurbsError::PointNotFinite { index, value });
         }
         if let Some(weights) = &weights {
-            if weights.len() != expected {
-                return Err(NurbsError::WeightCount { expected, found: weights.len() });
-            }
-            let greatest = weights.iter().fold(0.0, |m: f64, w| m.max(*w));
-            let legal =
-                |w: f64| w > 0.0 && w.is_finite() && w * GREATEST_WEIGHT_RATIO >= greatest && w >= f64::MIN_POSITIVE;
-            if let Some(index) = weights.iter().position(|&w| !legal(w)) {
-                return Err(NurbsError::Weight { index, value: weights[index] });
-            }
+            check_weights(weights, expected)?;
         }
         let hull = Hull::of(points.iter().copied());
         let center = hull.center();
@@ -461,16 +452,22 @@ impl Surface {
     }
 }
 
-/// The Bézier points of `span`: blossoms at (a, …, a, b, …, b), all convex.
-fn bezier_points(knots: &KnotVector, span: usize, control: &[DVec4], [a, b]: [f64; 2]) -> Vec<DVec4> {
-    let p = knots.degree();
-    (0..=p)
-        .map(|k| {
-            let mut arguments = [a; MAX_ORDER];
-            arguments[p - k..p].fill(b);
-            blossom(knots, span, control, &arguments[..p])
-        })
-        .collect()
+/// Whether a coordinate is finite and small enough for products of four.
+pub(crate) fn usable(x: f64) -> bool {
+    x.abs() <= GREATEST_COORDINATE
+}
+
+/// Checks the weights of `expected` control points.
+pub(crate) fn check_weights(weights: &[f64], expected: usize) -> Result<(), NurbsError> {
+    if weights.len() != expected {
+        return Err(NurbsError::WeightCount { expected, found: weights.len() });
+    }
+    let greatest = weights.iter().fold(0.0, |m: f64, w| m.max(*w));
+    let legal = |w: f64| w > 0.0 && w.is_finite() && w * GREATEST_WEIGHT_RATIO >= greatest && w >= f64::MIN_POSITIVE;
+    match weights.iter().position(|&w| !legal(w)) {
+        Some(index) => Err(NurbsError::Weight { index, value: weights[index] }),
+        None => Ok(()),
+    }
 }
 
 #[inline(always)]

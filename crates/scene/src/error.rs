@@ -1,6 +1,8 @@
 //! What can be wrong with a scene.
 
 use crate::{MAX_PIXELS, MAX_SIDE};
+use nurbs::NurbsError;
+use std::fmt;
 
 /// Why a model, camera or viewport could not be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -18,6 +20,80 @@ pub enum SceneError {
         surface: usize,
         /// Number of surfaces.
         count: usize,
+    },
+    /// A loop has no trims, or encloses nothing.
+    #[error("face {face}, loop {boundary}: the loop is empty or encloses nothing")]
+    EmptyLoop {
+        /// Index of the face.
+        face: usize,
+        /// Index of the loop in the face.
+        boundary: usize,
+    },
+    /// A trim is not a NURBS curve: counts, points or weights are wrong.
+    #[error("face {face}, loop {boundary}, trim {trim}: {cause}")]
+    TrimCurve {
+        /// Index of the face.
+        face: usize,
+        /// Index of the loop in the face.
+        boundary: usize,
+        /// Index of the trim in the loop.
+        trim: usize,
+        /// What is wrong with it.
+        cause: NurbsError,
+    },
+    /// A trim does not begin where the one before it ends (trim 0: where the last ends).
+    #[error(
+        "face {face}, loop {boundary}: {gap:e} model units between trim {trim} and the one before it, above {tolerance:e}"
+    )]
+    TrimGap {
+        /// Index of the face.
+        face: usize,
+        /// Index of the loop in the face.
+        boundary: usize,
+        /// Index of the trim after the gap.
+        trim: usize,
+        /// Length of the gap along the surface, model units.
+        gap: f64,
+        /// The longest that is healed, model units.
+        tolerance: f64,
+    },
+    /// A loop goes around its surface in a way that bounds no region: more than once, or in both directions.
+    #[error("face {face}, loop {boundary}: the loop goes around the surface {u} times in u and {v} times in v")]
+    LoopPeriod {
+        /// Index of the face.
+        face: usize,
+        /// Index of the loop in the face.
+        boundary: usize,
+        /// Periods in u from start to end.
+        u: i32,
+        /// Periods in v.
+        v: i32,
+    },
+    /// Flag and direction of a loop both contradict the place where it lies.
+    #[error(
+        "face {face}, loop {boundary}: it lies in {depth} other loops, and neither its direction nor `outer`: {outer} fit that"
+    )]
+    Nesting {
+        /// Index of the face.
+        face: usize,
+        /// Index of the loop in the face.
+        boundary: usize,
+        /// How many loops it lies in.
+        depth: usize,
+        /// Its flag.
+        outer: bool,
+    },
+    /// Two trims cross, of one loop or of two.
+    #[error("face {face}: {first} crosses {second} near (u, v) = {at:?}")]
+    TrimsCross {
+        /// Index of the face.
+        face: usize,
+        /// The one curve.
+        first: TrimPlace,
+        /// The other.
+        second: TrimPlace,
+        /// Where, in the surface's parameters.
+        at: [f64; 2],
     },
     /// Width or height is zero or above [`MAX_SIDE`], or there are more than [`MAX_PIXELS`] pixels.
     #[error(
@@ -67,4 +143,23 @@ pub enum SceneError {
         /// The distance, model units.
         near: f64,
     },
+}
+
+/// Which curve of a face is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TrimPlace {
+    /// Index of the loop; `None` for the natural boundary.
+    pub boundary: Option<usize>,
+    /// Index of the trim in the loop; `None` for a segment that closes a gap.
+    pub trim: Option<usize>,
+}
+
+impl fmt::Display for TrimPlace {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match (self.boundary, self.trim) {
+            (Some(boundary), Some(trim)) => write!(f, "trim {trim} of loop {boundary}"),
+            (Some(boundary), None) => write!(f, "a closed gap of loop {boundary}"),
+            (None, _) => write!(f, "the natural boundary"),
+        }
+    }
 }

@@ -19,7 +19,7 @@ pub struct Face {
     pub tolerance: f64,
     /// Trim loops in the surface's parameters; none means the whole rectangle.
     ///
-    /// They are kept as read. No renderer cuts along them yet: the untrimmed surface is drawn, and reports say so.
+    /// They are kept as read; [`Region`](crate::Region) is what they mean.
     pub loops: Vec<Loop>,
 }
 

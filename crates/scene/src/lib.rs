@@ -1,13 +1,15 @@
-//! What is drawn, and from where: faces, models, cameras and viewports, all in f64.
+//! What is drawn, and from where: faces and their trimmed regions, models, cameras and viewports, all in f64.
 
 mod camera;
 mod error;
 mod face;
 mod model;
+mod region;
 mod viewport;
 
 pub use camera::{Camera, Projection, Ray};
-pub use error::SceneError;
+pub use error::{SceneError, TrimPlace};
 pub use face::{Face, FaceId, Loop, Trim};
 pub use model::Model;
+pub use region::{ClosedLoop, Piece, Region, Repairs, Segment};
 pub use viewport::{MAX_PIXELS, MAX_SIDE, Viewport};

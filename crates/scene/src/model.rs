@@ -1,6 +1,6 @@
 //! A model: surfaces and the faces that use them.
 
-use crate::{Face, FaceId, SceneError};
+use crate::{Face, FaceId, Region, SceneError};
 use nurbs::{Hull, Surface};
 
 /// A named set of faces over surfaces; never empty, and every face's surface exists.
@@ -9,6 +9,7 @@ pub struct Model {
     name: String,
     surfaces: Vec<Surface>,
     faces: Vec<Face>,
+    regions: Vec<Option<Region>>,
     hull: Hull,
 }
 
@@ -16,7 +17,7 @@ impl Model {
     /// A model of the given faces; surfaces that no face uses are kept and not drawn.
     ///
     /// # Errors
-    /// [`SceneError::NoFaces`], [`SceneError::NoSuchSurface`].
+    /// [`SceneError::NoFaces`], [`SceneError::NoSuchSurface`], and those of [`Region::new`].
     pub fn new(name: impl Into<String>, surfaces: Vec<Surface>, faces: Vec<Face>) -> Result<Self, SceneError> {
         if faces.is_empty() {
             return Err(SceneError::NoFaces);
@@ -25,10 +26,12 @@ impl Model {
         if let Some(face) = faces.iter().position(|f| f.surface >= count) {
             return Err(SceneError::NoSuchSurface { face, surface: faces[face].surface, count });
         }
+        let region = |(index, face): (usize, &Face)| Region::new(index, face, &surfaces[face.surface]);
+        let regions = faces.iter().enumerate().map(region).collect::<Result<_, _>>()?;
         let pieces = |face: &Face| surfaces[face.surface].bezier_patches();
         let hull = faces.iter().flat_map(pieces).map(|patch| patch.hull()).reduce(Hull::union);
         let hull = hull.expect("a model has faces, and a face has a span");
-        Ok(Self { name: name.into(), surfaces, faces, hull })
+        Ok(Self { name: name.into(), surfaces, faces, regions, hull })
     }
 
     /// A model with one whole face a surface.
@@ -63,6 +66,14 @@ impl Model {
         &self.surfaces[self.faces[id.0 as usize].surface]
     }
 
+    /// The trimmed part of a face's domain; `None` where it has no loops and is its whole surface.
+    ///
+    /// # Panics
+    /// Where `id` is not one of this model's faces.
+    pub fn region(&self, id: FaceId) -> Option<&Region> {
+        self.regions[id.0 as usize].as_ref()
+    }
+
     /// Whether any face carries trim loops.
     pub fn is_trimmed(&self) -> bool {
         self.faces.iter().any(|f| !f.loops.is_empty())
@@ -73,7 +84,8 @@ impl Model {
         self.hull
     }
 
-    /// A 64-bit FNV-1a hash of all that is drawn (degrees, knots, points, weights, orientations), as hexadecimal.
+    /// A 64-bit FNV-1a hash of all that is drawn (degrees, knots, points, weights, orientations, loops), as
+    /// hexadecimal.
     ///
     /// It names the model in a G-buffer's metadata; it is the same on every machine.
     pub fn hash(&self) -> String {
@@ -93,6 +105,16 @@ impl Model {
             }
             surface.points().iter().flat_map(|p| p.to_array()).for_each(|x| add(x.to_bits()));
             surface.weights().unwrap_or_default().iter().for_each(|w| add(w.to_bits()));
+            for boundary in &face.loops {
+                add(boundary.trims.len() as u64);
+                for trim in &boundary.trims {
+                    add(trim.knots.degree() as u64);
+                    add(u64::from(trim.reversed));
+                    trim.knots.knots().iter().for_each(|k| add(k.to_bits()));
+                    trim.points.iter().flat_map(|p| p.to_array()).for_each(|x| add(x.to_bits()));
+                    trim.weights.as_deref().unwrap_or_default().iter().for_each(|w| add(w.to_bits()));
+                }
+            }
         }
         format!("{hash:016x}")
     }

@@ -1,0 +1,95 @@
+//! Loops cut into monotone pieces and held to the domain.
+//!
+//! Clamping a curve to a rectangle moves only what is outside, along segments that stay outside: no winding number of
+//! an interior point changes. What was outside becomes straight pieces along the border.
+
+use super::{ClosedLoop, Frame, Piece, Segment};
+use glam::DVec2;
+use nurbs::BezierCurve;
+
+/// All pieces of all loops, in order.
+pub(super) fn pieces(frame: &Frame, loops: &[ClosedLoop]) -> Vec<Piece> {
+    let mut pieces = vec![];
+    for (loop_index, boundary) in loops.iter().enumerate() {
+        for Segment { curve, trim } in &boundary.segments {
+            for monotone in curve.monotone_pieces() {
+                for (curve, on_border) in clamped(frame, &monotone) {
+                    if curve.start() != curve.end() {
+                        pieces.push(Piece { curve, on_border, loop_index, trim: *trim });
+                    }
+                }
+            }
+        }
+    }
+    pieces
+}
+
+/// The monotone pieces of a monotone curve clamped to the domain, and whether each lies on its border.
+fn clamped(frame: &Frame, curve: &BezierCurve) -> Vec<(BezierCurve, bool)> {
+    let mut cuts: Vec<f64> = vec![];
+    let (start, end) = (frame.snapped(curve.start()), frame.snapped(curve.end()));
+    for axis in [0, 1] {
+        for border in [frame.domain.min[axis], frame.domain.max[axis]] {
+            let (a, b) = (start[axis] - border, end[axis] - border);
+            if a * b < 0.0 {
+                cuts.push(crossing(curve, axis, border, a < 0.0));
+            }
+        }
+    }
+    cuts.sort_by(f64::total_cmp);
+    let mut parts = vec![];
+    let (mut rest, mut from, mut joint) = (curve.clone(), 0.0, start);
+    for t in cuts {
+        let local = (t - from) / (1.0 - from);
+        if !(0.0 < local && local < 1.0) {
+            continue;
+        }
+        let [low, high] = rest.split(local);
+        let cut = frame.snapped(low.end());
+        parts.push(frame.part(low, joint, cut));
+        (rest, from, joint) = (high, t, cut);
+    }
+    parts.push(frame.part(rest, joint, end));
+    parts
+}
+
+/// The parameter at which coordinate `axis` of a monotone curve passes `value`.
+fn crossing(curve: &BezierCurve, axis: usize, value: f64, rises: bool) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return middle;
+        }
+        if (curve.point(middle)[axis] < value) == rises { low = middle } else { high = middle }
+    }
+}
+
+impl Frame<'_> {
+    /// The point, put on a border of the domain that it is within [`super::ON_BORDER`] of.
+    fn snapped(&self, mut point: DVec2) -> DVec2 {
+        for axis in [0, 1] {
+            for border in [self.domain.min[axis], self.domain.max[axis]] {
+                if (point[axis] - border).abs() <= self.on_border[axis] {
+                    point[axis] = border;
+                }
+            }
+        }
+        point
+    }
+
+    /// A part that crosses no border, from `start` to `end`, clamped.
+    fn part(&self, curve: BezierCurve, start: DVec2, end: DVec2) -> (BezierCurve, bool) {
+        let (min, max) = (self.domain.min, self.domain.max);
+        let beyond = |axis: usize| {
+            (start[axis] <= min[axis] && end[axis] <= min[axis]) || (max[axis] <= start[axis] && max[axis] <= end[axis])
+        };
+        let [a, b] = [start, end].map(|p| p.clamp(min, max));
+        if beyond(0) || beyond(1) {
+            return (BezierCurve::line(a, b), true);
+        }
+        let mut inside = curve.standardised();
+        inside.set_ends(a, b);
+        (inside, false)
+    }
+}
