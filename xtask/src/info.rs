@@ -70,7 +70,7 @@ struct ModelInfo {
 /// Where the model cannot be read.
 pub fn run(args: &InfoArgs) -> Result<()> {
     if args.list {
-        for (name, description) in formats::BUILTINS.iter().chain(formats::HARD) {
+        for (name, description) in formats::BUILTINS.iter().chain(formats::HARD).chain(formats::TRIMMED) {
             println!("{name:20} {description}");
         }
         return Ok(());

@@ -51,7 +51,8 @@ impl ModelArgs {
         }
         let path = Path::new(&self.model);
         if !path.exists() && path.extension().is_none() && !self.model.contains(std::path::is_separator) {
-            let names: Vec<&str> = formats::BUILTINS.iter().chain(formats::HARD).map(|(name, _)| *name).collect();
+            let names: Vec<&str> =
+                formats::BUILTINS.iter().chain(formats::HARD).chain(formats::TRIMMED).map(|(name, _)| *name).collect();
             bail!("there is no built-in model {:?} (there are {}), and no such file", self.model, names.join(", "));
         }
         Ok(formats::read(path)?)

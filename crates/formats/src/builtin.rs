@@ -5,6 +5,7 @@
 
 use crate::hard::hard;
 use crate::json;
+use crate::trimmed::trimmed;
 use crate::wrap::wrap;
 use glam::{DVec3, DVec4};
 use libm::{cos, sin};
@@ -29,7 +30,8 @@ pub const BUILTINS: &[(&str, &str)] = &[
     ("spray", "a fountain of leaves: 266 bicubic surfaces of 18 x 18 control points"),
 ];
 
-/// The built-in model of that name; `None` where it is neither one of [`BUILTINS`] nor one of [`HARD`](crate::HARD).
+/// The built-in model of that name; `None` where it is none of [`BUILTINS`], [`HARD`](crate::HARD) and
+/// [`TRIMMED`](crate::TRIMMED).
 pub fn builtin(name: &str) -> Option<Model> {
     let surfaces = match name {
         "teapot" => return Some(embedded(include_str!("../../../testdata/models/teapot.json"))),
@@ -45,7 +47,7 @@ pub fn builtin(name: &str) -> Option<Model> {
         "unclamped" => vec![dome()],
         "periodic" => vec![vase()],
         "spray" => spray(),
-        _ => return hard(name),
+        _ => return hard(name).or_else(|| trimmed(name)),
     };
     Some(Model::of_surfaces(name, surfaces).expect("each has a surface"))
 }
@@ -129,7 +131,7 @@ pub(crate) fn revolved(profile: &[[f64; 3]], knots_v: KnotVector) -> Surface {
     surface(clamped(2, &QUARTERS), knots_v, points, Some(weights))
 }
 
-fn sphere() -> Surface {
+pub(crate) fn sphere() -> Surface {
     let meridian =
         [[0.0, -1.0, 1.0], [1.0, -1.0, FRAC_1_SQRT_2], [1.0, 0.0, 1.0], [1.0, 1.0, FRAC_1_SQRT_2], [0.0, 1.0, 1.0]];
     revolved(&meridian, clamped(2, &[0.5, 0.5]))

@@ -12,9 +12,11 @@ mod hard;
 pub mod json;
 mod open;
 mod place;
+mod trimmed;
 mod wrap;
 
 pub use builtin::{BUILTINS, builtin};
 pub use error::FormatError;
 pub use hard::HARD;
 pub use open::{MAX_FILE_BYTES, read};
+pub use trimmed::TRIMMED;
