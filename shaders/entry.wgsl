@@ -28,14 +28,23 @@ fn vertex(in: VertexInput) -> VertexOutput {
     return out;
 }
 
+// A fragment without material leaves the pixel to what lies behind it.
+fn cut(face: u32, uv: vec2<f32>) {
+    if (TRIMMED && !is_material(faces[face], clamp(uv, vec2<f32>(0.0), vec2<f32>(1.0)))) {
+        discard;
+    }
+}
+
 @fragment
 fn fragment_gbuffer(in: VertexOutput) -> GBufferOutput {
+    cut(in.face, in.uv);
     let f = fragment(in.face, in.uv);
     return gbuffer_output(in.face, f);
 }
 
 @fragment
 fn fragment_shaded(in: VertexOutput) -> @location(0) vec4<f32> {
+    cut(in.face, in.uv);
     let f = fragment(in.face, in.uv);
     var normal = f.normal;
     if (INTERPOLATED_NORMAL) {

@@ -14,7 +14,8 @@ struct FaceRecord {
     last_u: u32,
     last_v: u32,
     flags: u32,
-    padding: vec2<u32>,
+    trims: u32,
+    intervals: u32,
 }
 
 struct View {

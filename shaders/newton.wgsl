@@ -90,7 +90,8 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
     for (var k = 0u; k < queue.count; k++) {
         let end = search(piece, s, queue.seeds[k]);
         let next = end.outcome;
-        let nearer = next.status == HIT && (best.status != HIT || next.depth > best.depth);
+        let nearer = next.status == HIT && (best.status != HIT || next.depth > best.depth)
+            && (!TRIMMED || is_material(faces[piece.face], next.uv));
         if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
             best = next;
         }

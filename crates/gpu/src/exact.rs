@@ -328,6 +328,7 @@ mod tests {
             program: Program::Degree(3),
             curvature: false,
             interpolated_normal: false,
+            trimmed: false,
         };
         let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();
         let size = |name: &str| {

@@ -198,7 +198,13 @@ impl<'a> Renderer<'a> {
         let mut modules = HashMap::new();
         for &program in &scene.programs {
             if let Entry::Vacant(vacant) = modules.entry(program) {
-                let variant = Variant { technique, program, curvature, interpolated_normal: interpolated_normals };
+                let variant = Variant {
+                    technique,
+                    program,
+                    curvature,
+                    interpolated_normal: interpolated_normals,
+                    trimmed: scene.is_trimmed(),
+                };
                 let source = overrides.source.map_or_else(|| wgsl::source(variant), |source| source(variant));
                 vacant.insert(device.module(program, source)?);
             }

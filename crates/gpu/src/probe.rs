@@ -51,7 +51,13 @@ pub fn probe(
     if let Some(index) = queries.iter().position(|&(face, _)| !of_program(face)) {
         return Err(GpuError::ProbeFace { index, face: queries[index].0, program: format!("{program:?}") });
     }
-    let variant = Variant { technique: Technique::Fragment, program, curvature: true, interpolated_normal: false };
+    let variant = Variant {
+        technique: Technique::Fragment,
+        program,
+        curvature: true,
+        interpolated_normal: false,
+        trimmed: false,
+    };
     let module = device.module(program, wgsl::source(variant) + PROBE)?;
     let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE)?;
     let (pipeline, layout) = device
@@ -138,6 +144,7 @@ mod tests {
             program: Program::General,
             curvature: true,
             interpolated_normal: false,
+            trimmed: false,
         };
         let module = naga::front::wgsl::parse_str(&(wgsl::source(variant) + PROBE)).unwrap();
         let members = |name: &str| {

@@ -32,8 +32,10 @@ pub struct FaceRecord {
     pub last_v: u32,
     /// [`RATIONAL`] and [`REVERSED`].
     pub flags: u32,
-    /// To 16 bytes.
-    pub padding: [u32; 2],
+    /// Index of the first number of the face's region among the knots ([`crate::trim`]).
+    pub trims: u32,
+    /// Number of its intervals; 0 where the face is its whole surface.
+    pub intervals: u32,
 }
 
 /// How a face's local coordinates are seen. 96 bytes.

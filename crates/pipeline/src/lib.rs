@@ -13,6 +13,7 @@ mod pack;
 mod pieces;
 mod proxy;
 mod technique;
+pub mod trim;
 pub mod wgsl;
 
 pub use lanes::Lanes;

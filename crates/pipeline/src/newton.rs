@@ -33,6 +33,7 @@ use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives};
 use crate::lanes::Lanes;
 use crate::layout::{PieceRecord, View};
+use crate::trim;
 use fold::Queue;
 use nurbs::MAX_ORDER;
 
@@ -243,6 +244,7 @@ impl Problem<'_> {
             queue.push(first);
             queue.push(last);
         }
+        let face = &self.scene.faces[self.piece.face as usize];
         let given = queue.count;
         let mut before = [f32::MAX; 2];
         let mut best = Outcome::Miss;
@@ -251,7 +253,8 @@ impl Problem<'_> {
             let end = self.search::<CAPACITY>(queue.seeds[k]);
             best = match (best, end.outcome) {
                 (Outcome::Hit { depth: old, .. }, Outcome::Hit { depth: new, .. }) if new <= old => best,
-                (_, Outcome::Hit { .. }) | (Outcome::Miss, Outcome::Unconverged) => end.outcome,
+                (_, Outcome::Hit { uv, .. }) if trim::is_material(self.scene, face, uv) => end.outcome,
+                (Outcome::Miss, Outcome::Unconverged) => end.outcome,
                 _ => best,
             };
             if k < given && is_edge_on(&end.at) && !near(end.at.uv, before, ONE_END) {

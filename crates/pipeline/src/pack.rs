@@ -55,7 +55,7 @@ pub enum PackError {
 }
 
 /// The most control points or knots of a packed scene: their bytes stay below 4 GiB, the reach of a GPU binding.
-const GREATEST_COUNT: usize = 1 << 27;
+pub(crate) const GREATEST_COUNT: usize = 1 << 27;
 
 /// How a face's local coordinates and parameters become the model's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +66,9 @@ pub struct PackedFrame {
     pub scale: f64,
     /// The knot domain \[\[u0, u1\], \[v0, v1\]\] that 0 … 1 stands for.
     pub domain: [[f64; 2]; 2],
+    /// How near an edge of a trimmed face may pass a fragment that is told the wrong side of it, in u and v, local
+    /// parameters; zeros where the face is whole.
+    pub edge_band: DVec2,
 }
 
 impl PackedFrame {
@@ -93,9 +96,9 @@ impl PackedFrame {
 pub struct PackedScene {
     /// One record a face.
     pub faces: Vec<FaceRecord>,
-    /// All knots.
+    /// All knots; among them the intervals of trimmed faces.
     pub knots: Vec<f32>,
-    /// All homogeneous control points (w x, w y, w z, w).
+    /// All homogeneous control points (w x, w y, w z, w); among them the pieces and edges of trimmed faces.
     pub points: Vec<[f32; 4]>,
     /// One frame a face.
     pub frames: Vec<PackedFrame>,
@@ -118,6 +121,11 @@ impl PackedScene {
                     let (raised, degree) = specialised(surface);
                     packed.push(id, &raised, face.reversed, Program::Degree(degree))?;
                 }
+            }
+            if let Some(region) = model.region(FaceId(id as u32)).filter(|region| !region.is_whole()) {
+                let (trims, intervals, band) = packed.push_region(region)?;
+                (packed.faces[id].trims, packed.faces[id].intervals) = (trims, intervals);
+                packed.frames[id].edge_band = band;
             }
         }
         Ok(packed)
@@ -154,9 +162,15 @@ impl PackedScene {
             last_u: last_span(&self.knots[knots_u..], ku.control_count()),
             last_v: last_span(&self.knots[knots_v..], kv.control_count()),
             flags: if rational { RATIONAL } else { 0 } | if reversed { REVERSED } else { 0 },
-            padding: [0; 2],
+            trims: 0,
+            intervals: 0,
         });
-        self.frames.push(PackedFrame { origin: surface.origin(), scale, domain: surface.domain() });
+        self.frames.push(PackedFrame {
+            origin: surface.origin(),
+            scale,
+            domain: surface.domain(),
+            edge_band: DVec2::ZERO,
+        });
         self.programs.push(program);
         Ok(())
     }
@@ -171,6 +185,11 @@ impl PackedScene {
             return Err(PackError::TooLarge { what: "knots", count: self.knots.len(), greatest: GREATEST_COUNT });
         }
         Ok(start)
+    }
+
+    /// Whether any face has less material than its whole surface.
+    pub fn is_trimmed(&self) -> bool {
+        self.faces.iter().any(|face| face.intervals > 0)
     }
 
     /// The knots of a face in u and in v.

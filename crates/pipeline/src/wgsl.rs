@@ -11,6 +11,8 @@ use nurbs::MAX_ORDER;
 pub const LAYOUT: &str = include_str!("../../../shaders/layout.wgsl");
 /// Span, basis, surface.
 pub const EVAL: &str = include_str!("../../../shaders/eval.wgsl");
+/// Trimming.
+pub const TRIM: &str = include_str!("../../../shaders/trim.wgsl");
 /// The fragment program.
 pub const FRAGMENT: &str = include_str!("../../../shaders/fragment.wgsl");
 /// The shading code, twin of `gbuffer::shade`.
@@ -41,6 +43,7 @@ pub struct Part {
 pub const PARTS: &[Part] = &[
     Part { of: None, file: "layout.wgsl", text: LAYOUT },
     Part { of: None, file: "eval.wgsl", text: EVAL },
+    Part { of: None, file: "trim.wgsl", text: TRIM },
     Part { of: None, file: "fragment.wgsl", text: FRAGMENT },
     Part { of: None, file: "shade.wgsl", text: SHADE },
     Part { of: None, file: "output.wgsl", text: OUTPUT },
@@ -62,6 +65,8 @@ pub struct Variant {
     /// Whether shading uses the normal interpolated from the vertices instead of the fragment's own; technique
     /// `exact` has none to interpolate.
     pub interpolated_normal: bool,
+    /// Whether any face is trimmed. Where none is, no fragment is ever discarded, so that hidden ones may be culled early.
+    pub trimmed: bool,
 }
 
 /// The source of a variant. Entry points of technique `fragment`: `vertex`, `fragment_gbuffer`, `fragment_shaded`; the
@@ -77,11 +82,12 @@ fn prelude(variant: Variant) -> String {
         Program::General => (MAX_ORDER as u32, "stored".to_owned()),
         Program::Degree(p) => (p + 1, format!("{p}u")),
     };
-    let Variant { curvature, interpolated_normal, .. } = variant;
+    let Variant { curvature, interpolated_normal, trimmed, .. } = variant;
     format!(
         "const CAPACITY: u32 = {capacity}u;\n\
          const CURVATURE: bool = {curvature};\n\
          const INTERPOLATED_NORMAL: bool = {interpolated_normal};\n\
+         const TRIMMED: bool = {trimmed};\n\
          fn degree(stored: u32) -> u32 {{ return {degree}; }}\n"
     )
 }

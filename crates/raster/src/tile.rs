@@ -12,6 +12,7 @@ use nurbs::Normal;
 use pipeline::Technique;
 use pipeline::fragment::{Fragment, fragment_row};
 use pipeline::newton::Outcome;
+use pipeline::trim;
 
 /// Fragments that wait for the fragment program, all of one face.
 #[derive(Default)]
@@ -89,10 +90,18 @@ fn interpolated(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Optio
     for (owner, &id) in triangles.iter().enumerate() {
         let triangle = set_up(raster, id);
         let nearest = triangle.nearest();
+        let attributes = geometry.attributes(drawing, id);
+        let face = &drawing.scene.faces[attributes.face as usize];
         for_each_covered(&triangle, rect, |x, y| {
             // No point of a triangle is nearer than its nearest corner: most hidden samples end here.
-            if tile.passes(x, y, nearest) {
-                tile.test(x, y, triangle.depth(triangle.weights(x, y)), owner as u32);
+            if !tile.passes(x, y, nearest) {
+                return;
+            }
+            let weights = triangle.weights(x, y);
+            let depth = triangle.depth(weights);
+            let uv = || triangle.interpolate(weights, attributes.uv).map(|t| t.clamp(0.0, 1.0));
+            if face.intervals == 0 || (tile.passes(x, y, depth) && trim::is_material(drawing.scene, face, uv())) {
+                tile.test(x, y, depth, owner as u32);
             }
         });
     }

@@ -94,7 +94,13 @@ impl Mutant {
     fn compiles(&self) -> bool {
         let technique = tried_by(self.part());
         let program = Program::Degree(3);
-        is_legal(&self.source(Variant { technique, program, curvature: true, interpolated_normal: false }))
+        is_legal(&self.source(Variant {
+            technique,
+            program,
+            curvature: true,
+            interpolated_normal: false,
+            trimmed: true,
+        }))
     }
 }
 
@@ -148,8 +154,13 @@ mod tests {
 
     #[test]
     fn the_sources_are_legal_and_a_mutant_changes_what_it_says() {
-        let variant =
-            |technique| Variant { technique, program: Program::General, curvature: true, interpolated_normal: false };
+        let variant = |technique| Variant {
+            technique,
+            program: Program::General,
+            curvature: true,
+            interpolated_normal: false,
+            trimmed: true,
+        };
         for technique in pipeline::Technique::ALL {
             assert!(is_legal(&wgsl::source(variant(technique))));
         }

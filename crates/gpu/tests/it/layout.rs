@@ -15,8 +15,10 @@ fn variants() -> Vec<Variant> {
     for program in [Program::General].into_iter().chain((3..=15).step_by(2).map(Program::Degree)) {
         for curvature in [false, true] {
             for interpolated_normal in [false, true] {
-                let of = |technique| Variant { technique, program, curvature, interpolated_normal };
-                all.extend(Technique::ALL.map(of));
+                for trimmed in [false, true] {
+                    let of = |technique| Variant { technique, program, curvature, interpolated_normal, trimmed };
+                    all.extend(Technique::ALL.map(of));
+                }
             }
         }
     }
@@ -82,7 +84,7 @@ fn records_have_the_same_members_at_the_same_offsets() {
     let module = module();
     same_layout!(
         &module, FaceRecord, degree_u, degree_v, count_u, count_v, knots_u, knots_v, points, last_u, last_v, flags,
-        padding
+        trims, intervals
     );
     same_layout!(&module, View, clip_from_local, eye, units);
     same_layout!(&module, PieceRecord, hull_from_local, flat, rectangle, face, span_u, span_v, patience);
