@@ -181,31 +181,31 @@ impl BezierCurve {
     /// points, exact for polynomial curves up to degree 16, and halved for rational ones until the halves agree with
     /// the whole to 1e-14 of the control polygon's extent about `about`.
     pub fn area(&self, about: DVec2) -> f64 {
-        let hull = self.hull();
-        let reach = (hull.min - about).abs().max((hull.max - about).abs());
+        let moved = self.translated(-about);
+        let hull = moved.hull();
+        let reach = hull.min.abs().max(hull.max.abs());
         // Beside the agreement that is asked for, what the coordinates' own rounding leaves.
-        let size = reach.max_element();
-        let rounding = 8.0 * f64::EPSILON * size * (size + about.abs().max_element());
-        let enough = AREA_AGREES * reach.x * reach.y + rounding;
-        let whole = self.quadrature(about, 0.0, 1.0);
-        if self.is_rational() { self.refined_area(about, [0.0, 1.0], whole, enough, AREA_HALVINGS) } else { whole }
+        let enough = AREA_AGREES * reach.x * reach.y + 8.0 * f64::EPSILON * reach.length_squared();
+        let whole = moved.quadrature(0.0, 1.0);
+        if self.is_rational() { moved.refined_area([0.0, 1.0], whole, enough, AREA_HALVINGS) } else { whole }
     }
 
-    fn refined_area(&self, about: DVec2, [a, b]: [f64; 2], whole: f64, enough: f64, halvings: u32) -> f64 {
+    fn refined_area(&self, [a, b]: [f64; 2], whole: f64, enough: f64, halvings: u32) -> f64 {
         let middle = 0.5 * (a + b);
-        let (low, high) = (self.quadrature(about, a, middle), self.quadrature(about, middle, b));
+        let (low, high) = (self.quadrature(a, middle), self.quadrature(middle, b));
         if halvings == 0 || (low + high - whole).abs() <= enough {
             return low + high;
         }
-        self.refined_area(about, [a, middle], low, enough, halvings - 1)
-            + self.refined_area(about, [middle, b], high, enough, halvings - 1)
+        self.refined_area([a, middle], low, enough, halvings - 1)
+            + self.refined_area([middle, b], high, enough, halvings - 1)
     }
 
-    fn quadrature(&self, about: DVec2, a: f64, b: f64) -> f64 {
+    /// The area swept about the origin between two parameters.
+    fn quadrature(&self, a: f64, b: f64) -> f64 {
         let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
         let swept = |t: f64| {
             let [c, c_t] = self.first_derivative(t);
-            (c - about).perp_dot(c_t)
+            c.perp_dot(c_t)
         };
         let sum: f64 =
             GAUSS_LEGENDRE.iter().map(|&[x, w]| w * (swept(middle - half * x) + swept(middle + half * x))).sum();

@@ -116,4 +116,14 @@ pub enum NurbsError {
         /// End of the domain.
         end: f64,
     },
+    /// Halving a curve does not bring the error of its lower degree within the bound.
+    #[error("degree {degree} is {reached:e} off after all halvings, and {bound:e} was asked for")]
+    ReductionBound {
+        /// The degree asked for.
+        degree: usize,
+        /// The bound asked for, in units of u and v.
+        bound: f64,
+        /// The bound reached.
+        reached: f64,
+    },
 }

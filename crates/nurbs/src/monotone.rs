@@ -196,3 +196,139 @@ fn halves(c: &Numerator, order: usize, t: f64) -> (Numerator, Numerator) {
     }
     (low, high)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Curve, KnotVector};
+    use glam::DVec2;
+    use proptest::prelude::*;
+
+    fn curve(points: Vec<(f64, f64, f64)>, offset: f64) -> BezierCurve {
+        let lift = |(x, y, w): (f64, f64, f64)| DVec3::new((x + offset) * w, (y - offset) * w, w);
+        BezierCurve::new(points.into_iter().map(lift).collect()).unwrap().standardised()
+    }
+
+    fn steps_back(piece: &BezierCurve, axis: usize) -> f64 {
+        let (a, b) = (piece.start()[axis], piece.end()[axis]);
+        let sign = if a <= b { 1.0 } else { -1.0 };
+        let values: Vec<f64> = (0..=500).map(|i| sign * piece.point(f64::from(i) / 500.0)[axis]).collect();
+        values.windows(2).map(|w| w[0] - w[1]).fold(0.0, f64::max)
+    }
+
+    proptest! {
+        #[test]
+        fn pieces_are_monotone_join_and_are_the_curve(
+            points in prop::collection::vec((-1.0f64..1.0, -1.0f64..1.0, 0.05f64..20.0), 2..=16),
+            rational: bool,
+            offset in prop::sample::select(vec![0.0, 1e3, -1e7]),
+        ) {
+            let points = points.into_iter().map(|(x, y, w)| (x, y, if rational { w } else { 1.0 })).collect();
+            let curve = curve(points, offset);
+            let pieces = curve.monotone_pieces();
+            prop_assert_eq!(pieces[0].start(), curve.start());
+            prop_assert_eq!(pieces[pieces.len() - 1].end(), curve.end());
+            let allowed = 256.0 * f64::EPSILON * (2.0 + offset.abs());
+            for piece in &pieces {
+                prop_assert!(steps_back(piece, 0).max(steps_back(piece, 1)) <= allowed);
+            }
+            for pair in pieces.windows(2) {
+                prop_assert_eq!(pair[0].end(), pair[1].start());
+            }
+            // The pieces sweep the area of the curve, and each of its points lies on one of them: a piece, monotone,
+            // is found by bisection along the longer side.
+            let middle = curve.hull().min.midpoint(curve.hull().max);
+            let area: f64 = pieces.iter().map(|p| p.area(middle)).sum();
+            prop_assert!((area - curve.area(middle)).abs() <= 1e-12 + 8.0 * allowed);
+            for i in 0..=50 {
+                let point = curve.point(f64::from(i) / 50.0);
+                let nearest = pieces.iter().map(|p| distance_to_monotone(p, point)).fold(f64::INFINITY, f64::min);
+                prop_assert!(nearest <= 1e-12 + 4.0 * allowed, "point {i} is {nearest:e} off");
+            }
+        }
+    }
+
+    fn distance_to_monotone(piece: &BezierCurve, point: DVec2) -> f64 {
+        let extent = (piece.end() - piece.start()).abs();
+        let axis = usize::from(extent.x < extent.y);
+        let rises = piece.start()[axis] < piece.end()[axis];
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if (piece.point(middle)[axis] < point[axis]) == rises { low = middle } else { high = middle }
+        }
+        [0.0, low, 1.0].into_iter().map(|t| piece.point(t).distance(point)).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn a_circle_of_one_segment_is_cut_at_its_four_extremes() {
+        // The full circle as one rational quintic (Chou 1995): weights 1, 1/5, 1/5, 1/5, 1/5, 1.
+        let points = [
+            (0.0, -1.0, 5.0),
+            (4.0, -1.0, 1.0),
+            (2.0, 3.0, 1.0),
+            (-2.0, 3.0, 1.0),
+            (-4.0, -1.0, 1.0),
+            (0.0, -1.0, 5.0),
+        ];
+        let circle = curve(points.to_vec(), 0.0);
+        let pieces = circle.monotone_pieces();
+        assert!((0..=20).all(|i| (circle.point(f64::from(i) / 20.0).length() - 1.0).abs() < 1e-15));
+        let joints: Vec<DVec2> = pieces.iter().map(BezierCurve::start).collect();
+        let expected = [DVec2::NEG_Y, DVec2::X, DVec2::Y, DVec2::NEG_X];
+        assert_eq!(joints.len(), 4, "{joints:?}");
+        assert!(joints.iter().zip(expected).all(|(a, b)| a.distance(b) < 1e-15), "{joints:?}");
+        let area: f64 = pieces.iter().map(|p| p.area(DVec2::ZERO)).sum();
+        assert!((area - std::f64::consts::PI).abs() < 1e-14, "{area}");
+    }
+
+    #[test]
+    fn lines_along_an_axis_and_lines_with_rounding_stay_one_piece() {
+        let vertical = curve(vec![(4.0, 0.0, 1.0), (4.0 + 1e-15, 0.4, 2.0), (4.0 - 1e-15, 1.0, 1.0)], 0.0);
+        assert_eq!(vertical.monotone_pieces().len(), 1);
+        // An arc that ends at its extreme, but for a turn that is rounding.
+        let arc = curve(vec![(1.0, -1.0, 1.0), (1.0 + 2e-16, 0.0, 0.5f64.sqrt()), (0.0, 0.0, 1.0)], 30.0);
+        assert_eq!(arc.monotone_pieces().len(), 1);
+    }
+
+    #[test]
+    fn a_cusp_and_a_loop_are_cut_at_each_turn() {
+        // (t², t³) about t = 0: u turns in the cusp, v does not.
+        let cusp = curve(vec![(1.0, -1.0, 1.0), (-1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, 1.0, 1.0)], 0.0);
+        let pieces = cusp.monotone_pieces();
+        assert_eq!(pieces.len(), 2);
+        assert!(pieces[0].end().distance(DVec2::new(-0.5, 0.0)) < 1e-15, "{pieces:?}");
+    }
+
+    #[test]
+    fn segments_of_a_curve_are_the_curve_and_join() {
+        let knots = KnotVector::new(3, vec![-2.0, -1.0, 0.0, 0.5, 1.0, 1.0, 2.0, 3.0, 3.5, 4.0]).unwrap();
+        let points: Vec<DVec2> = (0..6).map(|i| DVec2::new(f64::from(i), f64::from(i * i % 5))).collect();
+        let curve = Curve::new(knots.clone(), &points, None).unwrap();
+        let segments = curve.bezier_segments();
+        let spans: Vec<usize> = knots.spans().collect();
+        assert_eq!(segments.len(), spans.len());
+        for (segment, k) in segments.iter().zip(spans) {
+            let (a, b) = (knots.knots()[k], knots.knots()[k + 1]);
+            for i in 0..=10 {
+                let t = f64::from(i) / 10.0;
+                assert!(segment.point(t).distance(curve.point(a + (b - a) * t)) < 1e-14);
+            }
+        }
+        assert!(segments.windows(2).all(|pair| pair[0].end() == pair[1].start()));
+        // Rational: in standard form the parameter moves, the points do not.
+        let weights = [1.0, 2.0, 0.5, 4.0, 1.0, 3.0];
+        let rational = Curve::new(knots.clone(), &points, Some(&weights)).unwrap();
+        let segment = &rational.bezier_segments()[0];
+        let (a, b) = (knots.knots()[3], knots.knots()[4]);
+        assert!(
+            segment.start().distance(rational.point(a)) < 1e-14 && segment.end().distance(rational.point(b)) < 1e-14
+        );
+        assert_eq!((segment.control()[0].z, segment.control()[3].z), (1.0, 1.0));
+        for i in 1..10 {
+            let point = segment.point(f64::from(i) / 10.0);
+            let off = (0..=20_000).map(|k| rational.point(a + (b - a) * f64::from(k) / 2e4).distance(point));
+            assert!(off.fold(f64::INFINITY, f64::min) < 2e-4);
+        }
+    }
+}

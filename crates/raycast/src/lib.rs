@@ -20,6 +20,7 @@ mod line;
 mod pieces;
 mod roots;
 mod tree;
+mod trim;
 
 use gbuffer::{GBuffer, Hit, Meta, PrincipalCurvatures};
 use glam::DVec2;
@@ -31,6 +32,7 @@ use roots::{Found, Search};
 use scene::{Camera, FaceId, Model, Ray, Viewport};
 use std::cell::RefCell;
 use tree::Tree;
+pub use trim::{Classifier, Side};
 
 /// Rows of a picture that are cast together, so that only these rows' hits are held twice.
 const BAND: usize = 64;

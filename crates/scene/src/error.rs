@@ -43,7 +43,7 @@ pub enum SceneError {
     },
     /// A trim does not begin where the one before it ends (trim 0: where the last ends).
     #[error(
-        "face {face}, loop {boundary}: {gap:e} model units between trim {trim} and the one before it, above {tolerance:e}"
+        "face {face}, loop {boundary}: {gap:.3e} model units between trim {trim} and the one before it, above {tolerance:.3e}"
     )]
     TrimGap {
         /// Index of the face.

@@ -109,31 +109,48 @@ fn surface() -> impl Strategy<Value = Surface> {
     })
 }
 
-fn trim() -> impl Strategy<Value = Trim> {
-    knot_vector().prop_flat_map(|knots| {
-        let count = knots.control_count();
-        (vec([coordinate(), coordinate()], count), weights(count), any::<[bool; 3]>(), any::<Option<i64>>()).prop_map(
-            move |(points, weights, [reversed, seam, degenerate], edge)| Trim {
-                knots: knots.clone(),
-                points: points.into_iter().map(DVec2::from_array).collect(),
-                weights,
-                reversed,
-                seam,
-                degenerate,
-                edge,
-            },
-        )
-    })
+/// A closed loop about the middle of a domain, `reach` (0 to 1) of the way to its borders. Its corners stand on a
+/// convex curve and its trims are straight, so that no two cross, whatever their degrees, knots and weights.
+fn boundary(domain: [[f64; 2]; 2], reach: f64, outer: bool) -> impl Strategy<Value = Loop> {
+    let corner = move |i: usize| {
+        let [x, y] = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][if outer { i % 4 } else { (4 - i) % 4 }];
+        let at = |[low, high]: [f64; 2], x: f64| 0.5 * (low + high) + 0.5 * (high - low) * x * reach;
+        DVec2::new(at(domain[0], x), at(domain[1], y))
+    };
+    let trim = move |i: usize| {
+        knot_vector().prop_filter("ends at its points", KnotVector::is_clamped).prop_flat_map(move |knots| {
+            let count = knots.control_count();
+            (vec(0.0f64..=1.0, count), weights(count), any::<[bool; 3]>(), any::<Option<i64>>()).prop_map(
+                move |(mut shares, weights, [reversed, seam, degenerate], edge)| {
+                    shares.sort_by(f64::total_cmp);
+                    (shares[0], shares[count - 1]) = (0.0, 1.0);
+                    let (from, to) = if reversed { (corner(i + 1), corner(i)) } else { (corner(i), corner(i + 1)) };
+                    let points = shares.iter().map(|t| from * (1.0 - t) + to * *t).collect();
+                    Trim { knots: knots.clone(), points, weights, reversed, seam, degenerate, edge }
+                },
+            )
+        })
+    };
+    [trim(0), trim(1), trim(2), trim(3)].prop_map(move |trims| Loop { outer, trims: trims.to_vec() })
 }
 
 fn model() -> impl Strategy<Value = Model> {
-    let boundary = (any::<bool>(), vec(trim(), 1..3)).prop_map(|(outer, trims)| Loop { outer, trims });
-    let face = (any::<usize>(), any::<bool>(), 0.0..1.0, vec(boundary, 0..3));
-    (".*", vec(surface(), 1..4), vec(face, 1..4)).prop_map(|(name, surfaces, faces)| {
-        let count = surfaces.len();
-        let face =
-            |(surface, reversed, tolerance, loops)| Face { surface: surface % count, reversed, tolerance, loops };
-        Model::new(name, surfaces, faces.into_iter().map(face).collect()).unwrap()
+    let face = |count: usize, domains: Vec<[[f64; 2]; 2]>| {
+        (0..count, 0usize..3).prop_flat_map(move |(surface, loops)| {
+            let domain = domains[surface];
+            let loops: Vec<_> = (0..loops).map(|i| boundary(domain, 0.9 / (i + 1) as f64, i == 0)).collect();
+            (Just(surface), any::<bool>(), 0.0..1.0, loops).prop_map(|(surface, reversed, tolerance, loops)| Face {
+                surface,
+                reversed,
+                tolerance,
+                loops,
+            })
+        })
+    };
+    (".*", vec(surface(), 1..4)).prop_flat_map(move |(name, surfaces)| {
+        let domains = surfaces.iter().map(Surface::domain).collect();
+        let faces = vec(face(surfaces.len(), domains), 1..4);
+        faces.prop_map(move |faces| Model::new(name.clone(), surfaces.clone(), faces).unwrap())
     })
 }
 

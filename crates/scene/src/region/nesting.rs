@@ -96,17 +96,22 @@ impl<'a> Contour<'a> {
 
     /// In how many of the other loops this one lies.
     fn depth(&self, frame: &Frame, before: &[Self], after: &[Self], given: &[Vec<BezierCurve>]) -> usize {
-        let step = self.monotone.len().div_ceil(WITNESSES);
-        let mut depths: Vec<usize> = (self.monotone.iter().step_by(step))
-            .map(|piece| {
-                let point = into_domain(frame, &self.copies, piece.point(0.5));
+        // Nothing holds a border of the domain; where that is a seam, a hole across it does not hold the loop.
+        let middles = self.monotone.iter().map(|piece| into_domain(frame, &self.copies, piece.point(0.5)));
+        let witnesses: Vec<DVec2> = middles.filter(|point| !frame.is_on_border(*point)).collect();
+        if witnesses.is_empty() {
+            return 0;
+        }
+        let step = witnesses.len().div_ceil(WITNESSES);
+        let mut depths: Vec<usize> = (witnesses.into_iter().step_by(step))
+            .map(|point| {
                 let around: i32 = given.iter().map(|g| winding(g, point)).sum();
                 let others = before.iter().chain(after).filter(|other| other.holds(point)).count();
                 usize::from(around != 0) + others
             })
             .collect();
         depths.sort_unstable();
-        depths[depths.len() / 2]
+        depths[(depths.len() - 1) / 2]
     }
 
     fn holds(&self, point: DVec2) -> bool {

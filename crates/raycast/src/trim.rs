@@ -1,0 +1,229 @@
+//! Whether a point of a face's domain is material, and how near the edge of it is: in f64, from the unsplit loops.
+//!
+//! Data come from [`scene::Region::loops`]; the region's monotone pieces, on which the rasterizers count crossings, are
+//! not used. A curve that a point is not in the convex hull of winds about it as its chord does; so a loop's winding
+//! number is a sum over chords, and only where the point is inside a hull is the curve halved. A box tree over all
+//! segments leaves out those that the ray toward +u passes by.
+
+use glam::{DVec2, DVec3};
+use nurbs::{BezierCurve, MAX_ORDER, Rectangle};
+use scene::Region;
+
+/// Halvings of a segment: then it is shorter than the spacing of its parameters.
+const HALVINGS: u32 = 60;
+
+/// Rounding of a point's distance from a chord, in ε times the greatest coordinate: de Casteljau's and the cross product's.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// The share by which a distance to the edge may be understated.
+const DISTANCE_SLACK: f64 = 0.01;
+
+/// Segments in a leaf of the box tree.
+const LEAF: usize = 4;
+
+/// On which side of the edge a point is, and how far from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Side {
+    /// Whether the point is material.
+    pub inside: bool,
+    /// No edge is nearer than this, in the metric that was asked for, and one is within 1.02 times this.
+    pub distance: f64,
+}
+
+/// The loops of one region, made ready for many points.
+#[derive(Debug, Clone)]
+pub struct Classifier {
+    domain: Rectangle,
+    /// In the order of the tree's leaves.
+    segments: Vec<BezierCurve>,
+    nodes: Vec<Node>,
+}
+
+/// A box with the segments or the two nodes in it.
+#[derive(Debug, Clone)]
+struct Node {
+    hull: Rectangle,
+    /// First and past-the-last segment.
+    range: [usize; 2],
+    /// The two halves; `None` in a leaf.
+    halves: Option<[usize; 2]>,
+}
+
+impl Classifier {
+    /// Takes over the loops of `region`.
+    pub fn new(region: &Region) -> Self {
+        let mut segments: Vec<(Rectangle, BezierCurve)> =
+            region.loops().iter().flat_map(|l| &l.segments).map(|s| (s.curve.hull(), s.curve.clone())).collect();
+        let mut nodes = vec![];
+        let end = segments.len();
+        grow(&mut nodes, &mut segments, [0, end]);
+        Self { domain: region.domain(), segments: segments.into_iter().map(|(_, s)| s).collect(), nodes }
+    }
+
+    /// Whether the point (u, v) of the closed domain is material: the winding number of all loops is not zero.
+    ///
+    /// A point on the domain's border counts as its neighbour inside. Right for every point that is farther from all
+    /// edges than 64 ε of the loops' greatest coordinate; on the edge itself it is one of the two answers.
+    pub fn inside(&self, uv: DVec2) -> bool {
+        let below = self.domain.max.map(f64::next_down);
+        self.winding(uv.clamp(self.domain.min, below)) != 0
+    }
+
+    /// Which side (u, v) is on, and its distance from the nearest edge, in which du counts `speeds.x` and dv `speeds.y`:
+    /// with |S_u| and |S_v| about model units, with ones parameters.
+    ///
+    /// The natural boundary counts as an edge only where a loop runs along it.
+    pub fn side(&self, uv: DVec2, speeds: DVec2) -> Side {
+        let mut nearest = f64::INFINITY;
+        self.approach(0, uv, speeds, &mut nearest);
+        Side { inside: self.inside(uv), distance: nearest / (1.0 + DISTANCE_SLACK) }
+    }
+
+    fn winding(&self, uv: DVec2) -> i32 {
+        let mut sum = 0;
+        let mut stack = vec![0];
+        while let Some(node) = stack.pop() {
+            let node: &Node = &self.nodes[node];
+            if uv.y < node.hull.min.y || node.hull.max.y < uv.y || node.hull.max.x < uv.x {
+                continue;
+            }
+            match node.halves {
+                Some(halves) => stack.extend(halves),
+                None => {
+                    sum += self.segments[node.range[0]..node.range[1]].iter().map(|s| winding_of(s, uv)).sum::<i32>();
+                }
+            }
+        }
+        sum
+    }
+
+    /// Lowers `nearest` to a distance that an edge under `node` is proven to be within.
+    fn approach(&self, node: usize, uv: DVec2, speeds: DVec2, nearest: &mut f64) {
+        let node = &self.nodes[node];
+        let Some(halves) = node.halves else {
+            for segment in &self.segments[node.range[0]..node.range[1]] {
+                let p = segment.degree();
+                let mut local = [DVec3::ZERO; MAX_ORDER];
+                for (local, c) in local.iter_mut().zip(segment.control()) {
+                    *local = ((c.truncate() / c.z - uv) * speeds * c.z).extend(c.z);
+                }
+                approach_curve(&local[..=p], nearest, HALVINGS);
+            }
+            return;
+        };
+        let mut order = halves.map(|half| (box_distance(self.nodes[half].hull, uv, speeds), half));
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (distance, half) in order {
+            if distance * (1.0 + DISTANCE_SLACK) < *nearest {
+                self.approach(half, uv, speeds, nearest);
+            }
+        }
+    }
+}
+
+/// Builds the node of `segments[range]`, sorting them, and returns its index; parents come before their halves.
+fn grow(nodes: &mut Vec<Node>, segments: &mut [(Rectangle, BezierCurve)], range: [usize; 2]) -> usize {
+    let part = &mut segments[range[0]..range[1]];
+    let hull = part.iter().map(|(hull, _)| *hull).fold(Rectangle::EMPTY, Rectangle::union);
+    let index = nodes.len();
+    nodes.push(Node { hull, range, halves: None });
+    if part.len() > LEAF {
+        let axis = usize::from(hull.size().x < hull.size().y);
+        let middle = |hull: &Rectangle| hull.min[axis] + hull.max[axis];
+        let half = part.len() / 2;
+        part.select_nth_unstable_by(half, |a, b| middle(&a.0).total_cmp(&middle(&b.0)));
+        let split = range[0] + half;
+        let low = grow(nodes, segments, [range[0], split]);
+        let high = grow(nodes, segments, [split, range[1]]);
+        nodes[index].halves = Some([low, high]);
+    }
+    index
+}
+
+/// What a segment adds to the winding number of `uv`: crossings of the ray toward +u, upward less downward.
+fn winding_of(segment: &BezierCurve, uv: DVec2) -> i32 {
+    let p = segment.degree();
+    let size = segment.control().iter().map(|c| (c.truncate() / c.z).abs().max_element()).fold(0.0, f64::max);
+    let mut control = [DVec3::ZERO; MAX_ORDER];
+    for (control, c) in control.iter_mut().zip(segment.control()) {
+        *control = (c.truncate() - uv * c.z).extend(c.z);
+    }
+    winding_about_origin(&control[..=p], ROUNDING * (size + uv.abs().max_element()), HALVINGS)
+}
+
+fn winding_about_origin(control: &[DVec3], rounding: f64, halvings: u32) -> i32 {
+    let p = control.len() - 1;
+    // Signs need no division: weights are positive.
+    let above = control.iter().filter(|c| 0.0 < c.y).count();
+    let right = control.iter().filter(|c| 0.0 < c.x).count();
+    if above == p + 1 || right == 0 && control.iter().all(|c| c.x < 0.0) || control.iter().all(|c| c.y < 0.0) {
+        return 0;
+    }
+    let [start, end] = [control[0], control[p]].map(|c| c.truncate() / c.z);
+    if right == p + 1 {
+        return i32::from(start.y <= 0.0 && 0.0 < end.y) - i32::from(end.y <= 0.0 && 0.0 < start.y);
+    }
+    // The distances of the control points, and of the origin, from the chord.
+    let along = (end - start).normalize_or_zero();
+    let origin = along.perp_dot(-start);
+    let offsets = control.iter().map(|c| along.perp_dot(c.truncate() / c.z - start));
+    let (low, high) = offsets.fold((0.0f64, 0.0f64), |(low, high), d| (low.min(d), high.max(d)));
+    if origin < low - rounding || high + rounding < origin || halvings == 0 || high - low <= rounding {
+        let crosses_up = start.y <= 0.0 && 0.0 < end.y && 0.0 < origin;
+        let crosses_down = end.y <= 0.0 && 0.0 < start.y && origin < 0.0;
+        return i32::from(crosses_up) - i32::from(crosses_down);
+    }
+    let (first, second) = halve(control);
+    winding_about_origin(&first[..=p], rounding, halvings - 1)
+        + winding_about_origin(&second[..=p], rounding, halvings - 1)
+}
+
+/// Lowers `nearest` to a distance from the origin that the curve is proven to come within.
+fn approach_curve(control: &[DVec3], nearest: &mut f64, halvings: u32) {
+    let p = control.len() - 1;
+    let point = |i: usize| control[i].truncate() / control[i].z;
+    let (start, end) = (point(0), point(p));
+    // The curve is within `bend` of its chord, and every point of the chord within `bend` of the curve.
+    let bend = (1..p).map(|i| distance_to_segment(point(i), start, end)).fold(0.0, f64::max);
+    let chord = distance_to_segment(DVec2::ZERO, start, end);
+    *nearest = nearest.min(chord + bend);
+    let least = chord - bend;
+    if halvings == 0 || *nearest <= least * (1.0 + DISTANCE_SLACK) {
+        return;
+    }
+    if bend <= f64::EPSILON * (start.abs().max_element() + end.abs().max_element()) {
+        return;
+    }
+    let (first, second) = halve(control);
+    let mut order = [first, second];
+    if end.length_squared() < start.length_squared() {
+        order.reverse();
+    }
+    for half in order {
+        approach_curve(&half[..=p], nearest, halvings - 1);
+    }
+}
+
+fn halve(control: &[DVec3]) -> ([DVec3; MAX_ORDER], [DVec3; MAX_ORDER]) {
+    let p = control.len() - 1;
+    let (mut low, mut high) = ([DVec3::ZERO; MAX_ORDER], [DVec3::ZERO; MAX_ORDER]);
+    high[..=p].copy_from_slice(control);
+    for r in 0..=p {
+        low[r] = high[0];
+        for i in 0..p - r {
+            high[i] = 0.5 * (high[i] + high[i + 1]);
+        }
+    }
+    (low, high)
+}
+
+fn distance_to_segment(point: DVec2, start: DVec2, end: DVec2) -> f64 {
+    let along = end - start;
+    let length = along.length_squared();
+    let t = if 0.0 < length { ((point - start).dot(along) / length).clamp(0.0, 1.0) } else { 0.0 };
+    point.distance(start + along * t)
+}
+
+fn box_distance(hull: Rectangle, uv: DVec2, speeds: DVec2) -> f64 {
+    (((hull.min - uv).max(uv - hull.max)).max(DVec2::ZERO) * speeds).length()
+}

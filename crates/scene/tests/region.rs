@@ -1,0 +1,387 @@
+//! What a face's loops are made into: exact cases, seeded random loops, and every way in which loops can be wrong.
+
+use glam::{DVec2, DVec3};
+use nurbs::{KnotVector, NurbsError, Surface};
+use proptest::prelude::*;
+use scene::{Face, Loop, Model, Region, SceneError, Trim, TrimPlace};
+use std::f64::consts::PI;
+
+const HALF_SQRT: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+fn knots(degree: usize, breaks: &[f64]) -> KnotVector {
+    let inner = breaks[1..breaks.len() - 1].iter().flat_map(|&t| vec![t; degree]);
+    let ends = [breaks[0], breaks[breaks.len() - 1]].map(|t| vec![t; degree + 1]);
+    KnotVector::new(degree, ends[0].iter().copied().chain(inner).chain(ends[1].iter().copied()).collect()).unwrap()
+}
+
+/// The square from 0 to `side` in the plane, with (x, y) = (u, v).
+fn plane(side: f64) -> Surface {
+    let line = knots(1, &[0.0, side]);
+    let corners = [(0.0, 0.0), (0.0, side), (side, 0.0), (side, side)];
+    Surface::new(line.clone(), line, corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec(), None).unwrap()
+}
+
+/// A full turn in u (0 to 4) about z of a profile of points (radius, z) over v in 0 to 1.
+fn revolved(profile: &[(f64, f64)], weights: &[f64]) -> Surface {
+    let circle = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
+    let (mut points, mut all) = (vec![], vec![]);
+    for (i, (x, y)) in circle.into_iter().enumerate() {
+        for (&(radius, z), weight) in profile.iter().zip(weights) {
+            points.push(DVec3::new(f64::from(x) * radius, f64::from(y) * radius, z));
+            all.push(weight * if i % 2 == 1 { HALF_SQRT } else { 1.0 });
+        }
+    }
+    let (u, v) = (knots(2, &[0.0, 1.0, 2.0, 3.0, 4.0]), knots(profile.len() - 1, &[0.0, 1.0]));
+    Surface::new(u, v, points, Some(all)).unwrap()
+}
+
+fn cylinder() -> Surface {
+    revolved(&[(1.0, 0.0), (1.0, 2.0)], &[1.0, 1.0])
+}
+
+/// Half a sphere: the pole is v = 1.
+fn dome() -> Surface {
+    revolved(&[(1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], &[1.0, HALF_SQRT, 1.0])
+}
+
+fn trim(degree: usize, points: Vec<DVec2>, weights: Option<Vec<f64>>) -> Trim {
+    let spans = (points.len() - 1) / degree;
+    let breaks: Vec<f64> = (0..=spans).map(|i| i as f64).collect();
+    let knots = knots(degree, &breaks);
+    Trim { knots, points, weights, reversed: false, seam: false, degenerate: false, edge: None }
+}
+
+fn path(points: &[(f64, f64)]) -> Vec<Trim> {
+    points.windows(2).map(|w| trim(1, w.iter().map(|&(u, v)| DVec2::new(u, v)).collect(), None)).collect()
+}
+
+fn polygon(outer: bool, points: &[(f64, f64)]) -> Loop {
+    Loop { outer, trims: path(&[points, &points[..1]].concat()) }
+}
+
+fn square(outer: bool, low: f64, high: f64) -> Loop {
+    polygon(outer, &[(low, low), (high, low), (high, high), (low, high)])
+}
+
+/// A circle as one trim of four arcs, counter-clockwise.
+fn circle(outer: bool, center: (f64, f64), radius: f64) -> Loop {
+    let around = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
+    let point = |(x, y): (i32, i32)| DVec2::from(center) + radius * DVec2::new(f64::from(x), f64::from(y));
+    let weights = (0..9).map(|i| if i % 2 == 1 { HALF_SQRT } else { 1.0 }).collect();
+    Loop { outer, trims: vec![trim(2, around.map(point).to_vec(), Some(weights))] }
+}
+
+fn backwards(mut boundary: Loop) -> Loop {
+    boundary.trims.reverse();
+    boundary.trims.iter_mut().for_each(|t| t.reversed = !t.reversed);
+    boundary
+}
+
+fn build(surface: &Surface, loops: Vec<Loop>) -> Result<Region, SceneError> {
+    let face = Face { loops, ..Face::whole(0) };
+    let region = Region::new(7, &face, surface)?.expect("the face has loops");
+    assert_watertight(&region);
+    Ok(region)
+}
+
+/// Each loop's segments and pieces are closed chains to the bit; pieces stay inside the domain.
+fn assert_watertight(region: &Region) {
+    for (index, boundary) in region.loops().iter().enumerate() {
+        let s = &boundary.segments;
+        assert!((0..s.len()).all(|i| s[i].curve.end() == s[(i + 1) % s.len()].curve.start()), "loop {index}");
+        let p: Vec<_> = region.pieces().iter().filter(|p| p.loop_index == index).collect();
+        assert!((0..p.len()).all(|i| p[i].curve.end() == p[(i + 1) % p.len()].curve.start()), "loop {index}");
+        let hull = region.hull();
+        assert!(region.domain().union(hull) == region.domain(), "{hull:?}");
+    }
+}
+
+/// The winding number of the pieces about a point inside the domain, counted along the ray toward +u.
+fn winding(region: &Region, point: DVec2) -> i32 {
+    let mut sum = 0;
+    for piece in region.pieces() {
+        let (a, b) = (piece.curve.start(), piece.curve.end());
+        if a.y.min(b.y) <= point.y && point.y < a.y.max(b.y) {
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if (piece.curve.point(middle).y <= point.y) == (a.y < b.y) { low = middle } else { high = middle }
+            }
+            sum += piece.winding() * i32::from(point.x < piece.curve.point(low).x);
+        }
+    }
+    sum
+}
+
+fn material(region: &Region, u: f64, v: f64) -> bool {
+    let winding = winding(region, DVec2::new(u, v));
+    assert!(winding == 0 || winding == 1, "({u}, {v}): {winding}");
+    winding != 0
+}
+
+#[test]
+fn a_face_without_loops_has_no_region() {
+    assert_eq!(Region::new(0, &Face::whole(0), &plane(1.0)), Ok(None));
+}
+
+#[test]
+fn a_circle_has_the_area_of_a_circle_and_four_pieces() {
+    let region = build(&plane(10.0), vec![circle(true, (4.0, 5.0), 3.0)]).unwrap();
+    assert!((region.area() - 9.0 * PI).abs() < 1e-12 * 100.0, "{}", region.area());
+    assert_eq!((region.pieces().len(), region.is_whole(), region.largest_gap()), (4, false, 0.0));
+    assert!(material(&region, 4.0, 5.0) && material(&region, 6.999, 5.0) && !material(&region, 7.001, 5.0));
+}
+
+#[test]
+fn islands_in_holes_are_material_however_loops_are_turned_and_listed() {
+    let radii = [4.0, 3.0, 2.0, 1.0];
+    let area = PI * (16.0 - 9.0 + 4.0 - 1.0);
+    for turned in 0..16 {
+        for first in 0..4 {
+            let loops = (0..4).map(|i| (i + first) % 4).map(|i| {
+                let boundary = circle(i % 2 == 0, (5.0, 5.0), radii[i]);
+                if turned >> i & 1 == 1 { backwards(boundary) } else { boundary }
+            });
+            let region = build(&plane(10.0), loops.collect()).unwrap();
+            assert!((region.area() - area).abs() < 1e-11, "{}", region.area());
+            for (r, expected) in [(0.5, false), (1.5, true), (2.5, false), (3.5, true), (4.5, false)] {
+                assert_eq!(material(&region, 5.0 + r, 5.0), expected, "{r}");
+            }
+            let expected: Vec<usize> = (0..4)
+                .filter(|i| {
+                    let k = (i + first) % 4;
+                    (turned >> k & 1 == 1) == (k % 2 == 0)
+                })
+                .collect();
+            assert_eq!(region.repairs().reoriented, expected);
+        }
+    }
+}
+
+#[test]
+fn a_wrong_flag_is_noticed_where_direction_and_place_agree() {
+    let loops = vec![square(false, 1.0, 9.0), backwards(square(true, 2.0, 3.0))];
+    let region = build(&plane(10.0), loops).unwrap();
+    assert_eq!((region.repairs().mislabelled.clone(), region.area()), (vec![0, 1], 63.0));
+}
+
+#[test]
+fn holes_alone_are_cut_from_the_natural_boundary() {
+    let region = build(&plane(10.0), vec![backwards(circle(false, (5.0, 5.0), 1.0))]).unwrap();
+    assert!((region.area() - (100.0 - PI)).abs() < 1e-10);
+    assert!(material(&region, 1.0, 1.0) && !material(&region, 5.0, 5.0));
+}
+
+#[test]
+fn a_sliver_and_a_cusp_keep_their_area() {
+    let region =
+        build(&plane(1.0), vec![polygon(true, &[(0.1, 0.5), (0.9, 0.5), (0.9, 0.5001), (0.1, 0.5001)])]).unwrap();
+    assert!((region.area() - 0.8e-4).abs() < 1e-12);
+    assert!(material(&region, 0.5, 0.50005) && !material(&region, 0.5, 0.50011));
+    // u and v both stand still at (1/2, 1) of this cubic.
+    let cusp = [(2.0, 0.0), (0.0, 2.0), (0.0, 0.0), (2.0, 2.0)].map(|(u, v)| DVec2::new(u, v)).to_vec();
+    let loops =
+        vec![Loop { outer: true, trims: [vec![trim(3, cusp, None)], path(&[(2.0, 2.0), (2.0, 0.0)])].concat() }];
+    let region = build(&plane(2.0), loops).unwrap();
+    assert!((region.area() - cusp_area()).abs() < 1e-12, "{}", region.area());
+}
+
+/// The area between that cubic and the line u = 2, of a polygon of so many corners that it is right to 1e-12.
+fn cusp_area() -> f64 {
+    let at = |t: f64| {
+        let s = 1.0 - t;
+        let b = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+        DVec2::new(2.0 * b[0] + 2.0 * b[3], 2.0 * b[1] + 2.0 * b[3])
+    };
+    let steps = 1 << 21;
+    let sum: f64 =
+        (0..steps).map(|i| at(f64::from(i) / f64::from(steps)).perp_dot(at(f64::from(i + 1) / f64::from(steps)))).sum();
+    let closing = DVec2::new(2.0, 2.0).perp_dot(DVec2::new(2.0, 0.0));
+    (0.5 * (sum + closing)).abs()
+}
+
+#[test]
+fn the_natural_boundary_is_whole_even_with_rounding() {
+    let corners = [(1e-13, -1e-13), (10.0 - 1e-13, 0.0), (10.0 + 1e-12, 10.0), (0.0, 10.0 + 1e-13)];
+    let region = build(&plane(10.0), vec![polygon(true, &corners)]).unwrap();
+    assert!(region.is_whole() && (region.area() - 100.0).abs() < 1e-12, "{region:?}");
+    let region = build(&plane(10.0), vec![square(true, 0.0, 10.0), backwards(square(false, 4.0, 4.1))]).unwrap();
+    assert!(!region.is_whole());
+}
+
+#[test]
+fn what_leaves_an_open_surface_is_clamped_to_its_domain() {
+    let region = build(&plane(10.0), vec![circle(true, (10.0, 5.0), 3.0)]).unwrap();
+    assert!((region.area() - 4.5 * PI).abs() < 1e-11, "{}", region.area());
+    assert!(region.repairs().across_seam.is_empty());
+}
+
+#[test]
+fn a_window_across_the_seam_opens_on_both_sides() {
+    let whole = polygon(true, &[(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (0.0, 1.0)]);
+    for center in [0.0, 4.0, 8.0] {
+        let window = backwards(circle(false, (center, 0.5), 0.25));
+        let region = build(&cylinder(), vec![whole.clone(), window]).unwrap();
+        assert!((region.area() - (4.0 - PI / 16.0)).abs() < 1e-11, "{}", region.area());
+        assert!(!material(&region, 0.1, 0.5) && !material(&region, 3.9, 0.5) && material(&region, 2.0, 0.5));
+        assert_eq!(region.repairs().across_seam, [1]);
+    }
+}
+
+/// A loop once around the cylinder at about height `v`, in the direction of u or against it, beginning at `start`.
+fn ring(start: f64, v: f64, forward: bool) -> Loop {
+    let line: Vec<(f64, f64)> = (0..=4).map(|i| (start + f64::from(i), v + 0.1 * f64::from(i % 2))).collect();
+    let ring = Loop { outer: true, trims: path(&[&line[..4], &[(start + 4.0, v)]].concat()) };
+    if forward { ring } else { backwards(ring) }
+}
+
+#[test]
+fn rings_around_a_closed_surface_bound_the_band_between_them() {
+    for start in [0.0, 1.5, -3.0, 9.0] {
+        let bottom = ring(start, 0.2, true);
+        let band = build(&cylinder(), vec![ring(start, 0.7, false), bottom.clone()]).unwrap();
+        assert!((band.area() - 2.0).abs() < 1e-12, "{}", band.area());
+        assert!(material(&band, 2.0, 0.5) && !material(&band, 2.0, 0.1) && !material(&band, 2.0, 0.9));
+        assert_eq!(band.repairs().across_seam, [0, 1]);
+        // One ring leaves material to the natural boundary on its left.
+        let above = build(&cylinder(), vec![bottom.clone()]).unwrap();
+        let below = build(&cylinder(), vec![backwards(bottom)]).unwrap();
+        assert!((above.area() + below.area() - 4.0).abs() < 1e-12);
+        assert!(material(&above, 2.0, 0.9) && !material(&above, 2.0, 0.1) && material(&below, 2.0, 0.1));
+    }
+}
+
+#[test]
+fn a_cap_over_the_pole_needs_no_edge_along_it() {
+    // A wedge of the dome: from the rim up to the pole, where u jumps from 1 to 3.5, and down again.
+    let wedge = Loop { outer: true, trims: [path(&[(3.5, 1.0), (3.5, 0.0), (1.0, 0.0), (1.0, 1.0)])].concat() };
+    let region = build(&dome(), vec![backwards(wedge)]).unwrap();
+    assert_eq!(region.area(), 2.5);
+    assert!(region.largest_gap() < 1e-15);
+    // A cap bounded by a single ring.
+    let cap = build(&dome(), vec![ring(0.0, 0.5, true)]).unwrap();
+    assert!(material(&cap, 1.0, 0.99) && !material(&cap, 1.0, 0.3));
+}
+
+#[test]
+fn small_gaps_are_healed_and_the_largest_is_told() {
+    let mut boundary = square(true, 1.0, 9.0);
+    boundary.trims[2].points[0].x -= 3e-7;
+    let region = build(&plane(10.0), vec![boundary.clone()]).unwrap();
+    assert!((region.largest_gap() - 3e-7).abs() < 1e-12, "{}", region.largest_gap());
+    boundary.trims[2].points[0].x -= 1e-4;
+    let error = build(&plane(10.0), vec![boundary.clone()]).unwrap_err();
+    assert!(
+        matches!(error, SceneError::TrimGap { face: 7, boundary: 0, trim: 2, gap, .. } if (gap - 1.003e-4).abs() < 1e-9)
+    );
+    assert!(error.to_string().starts_with("face 7, loop 0: 1.003"), "{error}");
+    let face = Face { tolerance: 1e-3, loops: vec![boundary], ..Face::whole(0) };
+    assert!(Region::new(0, &face, &plane(10.0)).is_ok());
+}
+
+#[test]
+fn loops_that_bound_nothing_are_refused() {
+    let none = build(&plane(10.0), vec![square(true, 1.0, 9.0), Loop { outer: false, trims: vec![] }]);
+    assert_eq!(none, Err(SceneError::EmptyLoop { face: 7, boundary: 1 }));
+    let flat = build(&plane(10.0), vec![polygon(true, &[(1.0, 1.0), (5.0, 4.0)])]);
+    assert_eq!(flat, Err(SceneError::EmptyLoop { face: 7, boundary: 0 }));
+    let mut boundary = square(true, 1.0, 9.0);
+    boundary.trims[3].points[1] = DVec2::NAN;
+    let error = build(&plane(10.0), vec![boundary.clone()]).unwrap_err();
+    assert!(matches!(
+        error,
+        SceneError::TrimCurve { face: 7, boundary: 0, trim: 3, cause: NurbsError::PointNotFinite { index: 1, .. } }
+    ));
+    boundary.trims[3].points.pop();
+    let cause = NurbsError::PointCount { expected: 2, found: 1 };
+    let expected = SceneError::TrimCurve { face: 7, boundary: 0, trim: 3, cause };
+    assert_eq!(build(&plane(10.0), vec![boundary]), Err(expected));
+    let twice = Loop { outer: true, trims: path(&[(0.0, 0.5), (4.0, 0.6), (8.0, 0.5)]) };
+    assert_eq!(build(&cylinder(), vec![twice]), Err(SceneError::LoopPeriod { face: 7, boundary: 0, u: 2, v: 0 }));
+}
+
+#[test]
+fn crossings_are_found_and_touching_is_not_one() {
+    let place = |boundary, trim| TrimPlace { boundary: Some(boundary), trim: Some(trim) };
+    let bow_tie = polygon(true, &[(1.0, 1.0), (9.0, 8.0), (9.0, 1.0), (1.0, 9.0)]);
+    let Err(SceneError::TrimsCross { face: 7, first, second, at }) = build(&plane(10.0), vec![bow_tie]) else {
+        panic!()
+    };
+    assert!([(first, second), (second, first)].contains(&(place(0, 0), place(0, 2))), "{first} {second}");
+    assert!(DVec2::from(at).distance(DVec2::new(5.0 + 1.0 / 3.0, 1.0 + 7.0 * 13.0 / 24.0)) < 1.0, "{at:?}");
+    let circles = vec![circle(true, (4.0, 5.0), 2.0), circle(true, (6.0, 5.5), 2.0)];
+    let Err(SceneError::TrimsCross { first, second, .. }) = build(&plane(10.0), circles) else { panic!() };
+    assert_ne!(first.boundary, second.boundary);
+    let touching = vec![
+        square(true, 0.0, 10.0),
+        backwards(square(false, 2.0, 4.0)),
+        backwards(square(false, 4.0, 6.0)),
+        backwards(circle(false, (5.0, 3.0), 1.0)),
+    ];
+    assert!((build(&plane(10.0), touching).unwrap().area() - (92.0 - PI)).abs() < 1e-10);
+}
+
+#[test]
+fn loops_whose_flag_and_direction_both_contradict_their_place_are_refused() {
+    let stray_hole = vec![square(true, 1.0, 4.0), backwards(square(false, 5.0, 6.0))];
+    let expected = SceneError::Nesting { face: 7, boundary: 1, depth: 0, outer: false };
+    assert_eq!(build(&plane(10.0), stray_hole), Err(expected));
+    let two_outer = vec![square(true, 1.0, 9.0), square(true, 2.0, 3.0)];
+    let expected = SceneError::Nesting { face: 7, boundary: 1, depth: 1, outer: true };
+    assert_eq!(build(&plane(10.0), two_outer), Err(expected));
+}
+
+#[test]
+fn models_keep_regions_and_their_hash_knows_loops() {
+    let model = |loops| Model::new("m", vec![plane(10.0)], vec![Face { loops, ..Face::whole(0) }]);
+    let (a, b) = (model(vec![square(true, 1.0, 9.0)]).unwrap(), model(vec![square(true, 1.0, 8.0)]).unwrap());
+    assert_eq!(a.region(scene::FaceId(0)).unwrap().area(), 64.0);
+    let hashes = [a.hash(), b.hash(), model(vec![]).unwrap().hash()];
+    assert!(hashes[0] != hashes[1] && hashes[1] != hashes[2] && hashes[0] != hashes[2]);
+    assert!(matches!(
+        model(vec![Loop { outer: true, trims: vec![] }]),
+        Err(SceneError::EmptyLoop { face: 0, boundary: 0 })
+    ));
+}
+
+/// A random star: `p` control points a side at growing angles, so that it cannot cross itself too wildly.
+fn star(radii: &[f64], degree: usize, weights: &[f64]) -> Loop {
+    let count = radii.len() / degree * degree;
+    let point = |i: usize| {
+        let angle = 2.0 * PI * i as f64 / count as f64;
+        DVec2::splat(5.0) + radii[i % count] * DVec2::new(angle.cos(), angle.sin())
+    };
+    let points: Vec<DVec2> = (0..count).chain([0]).map(point).collect();
+    let weights = (0..count).chain([0]).map(|i| weights[i % weights.len()]).collect();
+    Loop { outer: true, trims: vec![trim(degree, points, Some(weights))] }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_rational_loops_have_the_area_of_their_polygons_limit(
+        radii in prop::collection::vec(2.0f64..4.0, 12..40),
+        weights in prop::collection::vec(0.3f64..3.0, 5),
+        degree in 1usize..6,
+        turned: bool,
+    ) {
+        let boundary = star(&radii, degree, &weights);
+        let trim = &boundary.trims[0];
+        let curve = nurbs::Curve::new(trim.knots.clone(), &trim.points, trim.weights.as_deref()).unwrap();
+        let (start, end) = trim.knots.domain();
+        let polygon = |count: usize| {
+            let at = |i: usize| curve.point(start + (end - start) * i as f64 / count as f64) - DVec2::splat(5.0);
+            (0..count).map(|i| 0.5 * at(i).perp_dot(at(i + 1))).sum::<f64>()
+        };
+        // Spans are cut evenly, so that the error falls by four: Richardson's limit of the two.
+        let spans = trim.knots.spans().count();
+        let (coarse, fine) = (polygon(spans * 200), polygon(spans * 400));
+        let limit = fine + (fine - coarse) / 3.0;
+        let boundary = if turned { backwards(boundary) } else { boundary };
+        let region = build(&plane(10.0), vec![boundary]).unwrap();
+        prop_assert!((region.area() - limit).abs() < 1e-6, "{} {limit}", region.area());
+        prop_assert_eq!(region.repairs().reoriented.len(), usize::from(turned));
+        prop_assert!(material(&region, 5.0, 5.0) && !material(&region, 0.5, 0.5));
+    }
+}
