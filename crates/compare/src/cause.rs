@@ -36,6 +36,9 @@ pub enum Cause {
     NotFinite,
     /// The position is wrong and no hypothesis explains it.
     Position,
+    /// Material is shown where the face has been trimmed away, or none where a trimmed face has some, and no edge is near
+    /// enough to excuse it.
+    Trim,
     /// The candidate says that its root finding did not end at this pixel, and the pixel differs.
     NewtonNotConverged,
     /// The candidate, which solves for the surface at each pixel (technique `exact`), does not show the nearest surface
@@ -64,6 +67,7 @@ impl Cause {
             Cause::Rounding => "rounding",
             Cause::NotFinite => "not finite",
             Cause::Position => "position",
+            Cause::Trim => "trim",
             Cause::NewtonNotConverged => "Newton not converged",
             Cause::MissedRoot => "missed root",
             Cause::Undecided => "undecided",

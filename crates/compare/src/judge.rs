@@ -3,12 +3,13 @@
 use crate::attribution::Attribution;
 use crate::pair::Pair;
 use crate::tally::Tally;
+use crate::trim::{self, Place};
 use crate::{Cause, CompareError, Deviation, PairReport, PixelVerdict, Sampler, Shares, UNBOUNDED_SHARE};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 use pipeline::PackedScene;
 use rayon::prelude::*;
-use scene::{Camera, Model, Viewport};
+use scene::{Camera, FaceId, Model, Region, Viewport};
 
 /// Judges renderings of one model by one camera.
 pub struct Judge<'m> {
@@ -54,16 +55,19 @@ impl<'m> Judge<'m> {
     /// 1. *evaluation*: position, normal and curvatures lie in their [`Enclosure`](pipeline::enclosure::Enclosure) at
     ///    the candidate's own (u, v), where f32 leaves the span or the status of the normal open in one of them; and
     ///    the packed face that it encloses is, up to narrowing, the model's;
-    /// 2. *geometry*: S(u, v) projects to within the bound ([`Deviation::model_units`], seen there) of what the reference shows there:
+    /// 2. *trim*: on a trimmed face the candidate's (u, v) is material, in f64, or an edge passes within the band of
+    ///    f32's own classification ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band));
+    /// 3. *geometry*: S(u, v) projects to within the bound ([`Deviation::model_units`], seen there) of what the reference shows there:
     ///    of the pixel's centre, for a ray caster;
-    /// 3. *visibility*: nothing that the reference sees within the bound of the centre hides that point by more than
+    /// 4. *visibility*: nothing that the reference sees within the bound of the centre hides that point by more than
     ///    the bound, everywhere;
-    /// 4. *coverage*: a pixel that only the reference covers has an edge within the bound: a position where the
+    /// 5. *coverage*: a pixel that only the reference covers has an edge within the bound: a position where the
     ///    reference sees nothing, or a border of the face.
     ///
     /// A pixel that differs is `Undecided` where the reference says that it could not decide it, and else
     /// `NewtonNotConverged` where the candidate says that it did not converge. For a candidate of technique `exact` a
-    /// failure of 3 or 4 (a nearer surface is not shown) is a `MissedRoot`, for others `Depth` or `Coverage`.
+    /// failure of 4 or 5 (a nearer surface is not shown) is a `MissedRoot`, for others `Depth` or `Coverage`; where that
+    /// surface is a trimmed face's, it is `Trim`.
     ///
     /// `exact` says that the reference is a ray caster. `progress` is told of every row done.
     ///
@@ -156,6 +160,28 @@ impl<'m> Judge<'m> {
             return Err(CompareError::Empty { reference: r.renderer.clone(), candidate: c.renderer.clone() });
         }
         Ok(())
+    }
+
+    /// The region of a face that is not its whole surface.
+    pub(crate) fn trimmed_region(&self, face: FaceId) -> Option<&Region> {
+        self.model.region(face).filter(|region| !region.is_whole())
+    }
+
+    /// Whether an edge passes as near a hit's own parameters as f32 may mistake sides.
+    ///
+    /// # Errors
+    /// Where the face has no material there, nor so near.
+    pub(crate) fn trimming(&self, hit: &Hit) -> Result<bool, Difference> {
+        let Some(region) = self.trimmed_region(hit.face) else { return Ok(false) };
+        let band = self.scene.frames[hit.face.0 as usize].edge_band * region.domain().size();
+        match trim::place(region, hit.uv, band) {
+            Place::Material => Ok(false),
+            Place::Edge => Ok(true),
+            Place::Cut => {
+                let detail = format!("face {} has no material at (u, v) = {}, nor within {band}", hit.face.0, hit.uv);
+                Err(Difference::new(Cause::Trim, f64::INFINITY, detail))
+            }
+        }
     }
 
     /// S in f64 at a hit's own parameters.

@@ -16,6 +16,7 @@ mod report;
 mod sampler;
 mod shares;
 mod tally;
+mod trim;
 
 pub use attribution::NEARLY;
 pub use cause::Cause;

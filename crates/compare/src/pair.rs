@@ -57,15 +57,20 @@ impl Pair<'_, '_> {
         }
     }
 
-    /// The cause where the candidate does not show the nearest surface: one that solves for the surface at each pixel
-    /// missed a root, whether it then found a farther one or none; another cause, `otherwise`, for triangles.
-    fn unseen(&self, otherwise: Cause) -> Cause {
+    /// The cause where the candidate does not show the nearest surface, `hidden`: that of a trimmed face was taken for cut
+    /// away; one that solves for the surface at each pixel missed a root, whether it then found a farther one or none;
+    /// another cause, `otherwise`, for triangles.
+    fn unseen(&self, hidden: &Hit, otherwise: Cause) -> Cause {
+        if self.judge.trimmed_region(hidden.face).is_some() {
+            return Cause::Trim;
+        }
         if self.candidate.meta().technique == EXACT { Cause::MissedRoot } else { otherwise }
     }
 
     /// A pixel that the candidate covers.
     fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Difference> {
         let shares = self.judge.evaluation(candidate)?;
+        let shares = Shares { ambiguous: self.judge.trimming(candidate)? || shares.ambiguous, ..shares };
         let s = self.judge.surface_point(candidate);
         let face = candidate.face.0 as usize;
         let bound_px = self.bound_of(face, s);
@@ -99,7 +104,7 @@ impl Pair<'_, '_> {
             let cause = match reference {
                 None => Cause::Coverage,
                 Some(r) if r.face == candidate.face => Cause::Interpolation,
-                Some(r) if r.t < candidate.t => self.unseen(Cause::Depth),
+                Some(r) if r.t < candidate.t => self.unseen(r, Cause::Depth),
                 Some(_) => Cause::Coverage,
             };
             let detail = format!("nothing within {bound_px:.4} px in the reference is like it");
@@ -115,7 +120,7 @@ impl Pair<'_, '_> {
         }
         let detail =
             format!("shown at t = {:.6}, but face {} at t = {:.6} hides it", candidate.t, occluder.face.0, occluder.t);
-        Err(Difference::new(self.unseen(Cause::Depth), (candidate.t - occluder.t) / slack, detail))
+        Err(Difference::new(self.unseen(occluder, Cause::Depth), (candidate.t - occluder.t) / slack, detail))
     }
 
     /// A pixel that only the reference covers.
@@ -127,7 +132,7 @@ impl Pair<'_, '_> {
             return Ok(());
         }
         let detail = format!("face {} is not shown, and no edge is within {bound:.4} px", reference.face.0);
-        Err(Difference::new(self.unseen(Cause::Coverage), f64::INFINITY, detail))
+        Err(Difference::new(self.unseen(reference, Cause::Coverage), f64::INFINITY, detail))
     }
 
     /// S at the candidate's (u, v) is not on the pixel's ray: are u and v exchanged, or was interpolation wrong?

@@ -14,7 +14,7 @@
 //! No point beyond the bound is reported, and none within a third of it is passed over in silence: it is a hit, part of
 //! a hit's run along the ray, or undecided.
 //!
-//! Trim loops are ignored: the untrimmed surface is cast.
+//! A root is a hit of the faces of its surface that have material there ([`Classifier`]); the others are trimmed away.
 
 mod line;
 mod pieces;
@@ -42,6 +42,8 @@ pub struct Caster<'m> {
     model: &'m Model,
     pieces: Pieces,
     tree: Tree,
+    /// Of the faces that are trimmed.
+    classifiers: Vec<Option<Classifier>>,
 }
 
 /// What is first on a ray.
@@ -103,7 +105,9 @@ impl<'m> Caster<'m> {
     pub fn new(model: &'m Model) -> Self {
         let pieces = Pieces::new(model);
         let tree = Tree::new(&pieces);
-        Self { model, pieces, tree }
+        let region = |id: usize| model.region(FaceId(id as u32)).filter(|region| !region.is_whole());
+        let classifiers = (0..model.faces().len()).into_par_iter().map(|id| region(id).map(Classifier::new)).collect();
+        Self { model, pieces, tree, classifiers }
     }
 
     /// Number of pieces that the surfaces were cut into.
@@ -133,18 +137,22 @@ impl<'m> Caster<'m> {
         let mut doubt: Option<Undecided> = None;
         self.walk(ray, |body, outcome| {
             match outcome {
-                Ok(point) => {
+                Ok(point) if point.t >= ray.near && best.as_ref().is_none_or(|(old, _)| point.t <= old.t) => {
                     let key = |(point, face): &(Point, u32)| (point.t, *face, point.uv.x, point.uv.y);
-                    let found = (point, body.faces[0]);
-                    if point.t >= ray.near && best.as_ref().is_none_or(|old| key(&found) < key(old)) {
-                        best = Some(found);
-                    }
+                    let found = self.material_faces(body, point.uv).next().map(|face| (point, face));
+                    best = match (found, best) {
+                        (Some(found), Some(old)) if key(&found) < key(&old) => Some(found),
+                        (found, old) => old.or(found),
+                    };
                 }
-                Err(undecided) => {
-                    if undecided.t >= ray.near && doubt.is_none_or(|old| undecided.t < old.t) {
-                        doubt = Some(undecided);
-                    }
+                Err(undecided)
+                    if undecided.t >= ray.near
+                        && doubt.is_none_or(|old| undecided.t < old.t)
+                        && self.may_be_material(body, &undecided) =>
+                {
+                    doubt = Some(undecided);
                 }
+                _ => {}
             }
             best.map_or(f64::INFINITY, |(point, _)| point.t)
         });
@@ -161,7 +169,7 @@ impl<'m> Caster<'m> {
         let boxes = self.walk(ray, |body, outcome| {
             match outcome {
                 Ok(point) if point.t >= ray.near => found.push((point, body.faces[0])),
-                Err(doubt) if doubt.t >= ray.near => undecided.push(doubt),
+                Err(doubt) if doubt.t >= ray.near && self.may_be_material(body, &doubt) => undecided.push(doubt),
                 _ => {}
             }
             f64::INFINITY
@@ -180,7 +188,7 @@ impl<'m> Caster<'m> {
         }
         let mut hits = vec![];
         for (point, face) in kept {
-            for &face in &self.body_of(FaceId(face)).faces {
+            for face in self.material_faces(self.body_of(FaceId(face)), point.uv) {
                 hits.push(self.hit(FaceId(face), point.uv, point.t));
             }
         }
@@ -233,6 +241,23 @@ impl<'m> Caster<'m> {
             (point.normal, curvature)
         };
         Hit { face, uv, t, position: point.derivatives.s, normal, curvature }
+    }
+
+    /// The faces of a body that have material at parameters `uv`, ascending.
+    fn material_faces<'b>(&'b self, body: &'b Body, uv: DVec2) -> impl Iterator<Item = u32> + 'b {
+        let is_material = move |face: &u32| self.classifiers[*face as usize].as_ref().is_none_or(|c| c.inside(uv));
+        body.faces.iter().copied().filter(is_material)
+    }
+
+    /// Whether some face of a body has material in a box of parameters, as far as the distance of the edges tells.
+    fn may_be_material(&self, body: &Body, Undecided { uv_low, uv_high, .. }: &Undecided) -> bool {
+        let (middle, half) = (0.5 * (*uv_low + *uv_high), 0.5 * (*uv_high - *uv_low));
+        body.faces.iter().any(|&face| {
+            self.classifiers[face as usize].as_ref().is_none_or(|classifier| {
+                let side = classifier.side(middle, DVec2::ONE);
+                side.inside || side.distance <= half.length()
+            })
+        })
     }
 
     fn body_of(&self, face: FaceId) -> &Body {
