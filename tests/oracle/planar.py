@@ -67,7 +67,7 @@ def segments(loops, box):
     return S, np.array(degree, np.int64), np.array(gaps).reshape(-1, 3)
 
 
-@njit(cache=True)
+@njit
 def _split(s, n, left, right):
     w = s.copy()
     for r in range(n + 1):
@@ -77,7 +77,7 @@ def _split(s, n, left, right):
             for c in range(3): w[i, c] = .5 * (w[i, c] + w[i + 1, c])
 
 
-@njit(cache=True)
+@njit
 def _hull(s, n):
     x0 = x1 = s[0, 0] / s[0, 2]; y0 = y1 = s[0, 1] / s[0, 2]
     for i in range(1, n + 1):
@@ -86,7 +86,7 @@ def _hull(s, n):
     return x0, x1, y0, y1
 
 
-@njit(cache=True)
+@njit
 def classify(S, degree, P):
     """winding number and distance of every point of P (shares of the box)"""
     W = np.zeros(len(P), np.int64); D = np.empty(len(P))
