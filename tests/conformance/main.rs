@@ -9,3 +9,4 @@ mod golden;
 mod judging;
 mod rays;
 mod three_way;
+mod trims;

@@ -83,7 +83,8 @@ fn plate() -> TrimmedSurface {
 }
 
 /// One window lies about u = 0 with half its parameters below the domain, one about u = 1 with half above, and a
-/// porthole away from the seam. The outer loop is the natural boundary, which runs the seam up and down.
+/// porthole away from the seam. The outer loop is the natural boundary, which runs the seam up and down. A point has
+/// material where the winding numbers of its shifts by −1, 0 and 1 periods add up to 1.
 fn window() -> TrimmedSurface {
     let surface = revolved(&[[0.6, -0.7, 1.0], [0.6, 0.7, 1.0]], clamped(1, &[]));
     let [low, right, high, left] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(DVec2::from_array);
