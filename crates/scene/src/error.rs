@@ -149,9 +149,9 @@ pub enum SceneError {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TrimPlace {
     /// Index of the loop; `None` for the natural boundary.
-    pub boundary: Option<usize>,
+    pub boundary: Option<u32>,
     /// Index of the trim in the loop; `None` for a segment that closes a gap.
-    pub trim: Option<usize>,
+    pub trim: Option<u32>,
 }
 
 impl fmt::Display for TrimPlace {
