@@ -4,6 +4,7 @@ mod camera;
 mod error;
 mod face;
 mod model;
+mod profile;
 mod region;
 mod viewport;
 
@@ -11,5 +12,6 @@ pub use camera::{Camera, Projection, Ray};
 pub use error::{SceneError, TrimPlace};
 pub use face::{Face, FaceId, Loop, Trim};
 pub use model::Model;
+pub use profile::{Profile, loops_from_profiles};
 pub use region::{ClosedLoop, Piece, Region, Repairs, Segment};
 pub use viewport::{MAX_PIXELS, MAX_SIDE, Viewport};
