@@ -1,6 +1,7 @@
 //! What is drawn, and from where: faces and their trimmed regions, models, cameras and viewports, all in f64.
 
 mod camera;
+mod edges;
 mod error;
 mod face;
 mod model;
@@ -9,6 +10,7 @@ mod region;
 mod viewport;
 
 pub use camera::{Camera, Projection, Ray};
+pub use edges::SharedEdge;
 pub use error::{SceneError, TrimPlace};
 pub use face::{Face, FaceId, Loop, Trim};
 pub use model::Model;
