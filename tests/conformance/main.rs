@@ -2,6 +2,7 @@
 
 mod arrows;
 mod attribution;
+mod editing;
 mod evaluation;
 mod folds;
 mod foreign;

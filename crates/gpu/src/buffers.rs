@@ -5,6 +5,9 @@ use gbuffer::ShadeUniform;
 use pipeline::{Batch, PackedScene, Proxy, Vertex, View};
 use wgpu::{BufferUsages, ShaderStages};
 
+/// Bytes that are compared at once where an edit is uploaded; records and vertices are whole numbers of them.
+const WORD: usize = 4;
+
 const UPLOADING: &str = "uploading the scene";
 
 /// Bindings of `shaders/layout.wgsl`, in order.
@@ -14,7 +17,8 @@ const STORAGE_BINDINGS: [&str; 4] = ["faces", "views", "knots", "control points"
 pub(crate) struct SceneBuffers {
     pub(crate) layout: wgpu::BindGroupLayout,
     pub(crate) group: wgpu::BindGroup,
-    views: wgpu::Buffer,
+    /// As [`STORAGE_BINDINGS`].
+    storage: [wgpu::Buffer; 4],
     shading: wgpu::Buffer,
     faces: usize,
 }
@@ -34,6 +38,7 @@ impl SceneBuffers {
         for (what, bytes) in STORAGE_BINDINGS.into_iter().zip(contents) {
             storage.push(device.storage(what, bytes)?);
         }
+        let storage: [wgpu::Buffer; 4] = storage.try_into().expect("four bindings");
         let shading = <ShadeUniform as bytemuck::Zeroable>::zeroed();
         let shading = device.buffer("shading", BufferUsages::UNIFORM, bytemuck::bytes_of(&shading))?;
         let (layout, group) = device.guarded(UPLOADING, || {
@@ -51,8 +56,7 @@ impl SceneBuffers {
             let group = device.group("scene", &layout, storage.iter().chain([&shading]));
             (layout, group)
         })?;
-        let views = storage.swap_remove(1);
-        Ok(Self { layout, group, views, shading, faces })
+        Ok(Self { layout, group, storage, shading, faces })
     }
 
     /// Says how each face is seen in the next frame.
@@ -60,7 +64,24 @@ impl SceneBuffers {
         if views.len() != self.faces {
             return Err(GpuError::ViewCount { expected: self.faces, found: views.len() });
         }
-        device.guarded("writing the views", || device.queue.write_buffer(&self.views, 0, bytemuck::cast_slice(views)))
+        device.guarded("writing the views", || {
+            device.queue.write_buffer(&self.storage[1], 0, bytemuck::cast_slice(views))
+        })
+    }
+
+    /// Uploads what differs between two scenes of the same layout, and says how many bytes that is.
+    pub(crate) fn write_changes(
+        &self,
+        device: &Device,
+        before: &PackedScene,
+        after: &PackedScene,
+    ) -> Result<u64, GpuError> {
+        let changed = |binding: usize, before: &[u8], after: &[u8]| {
+            device.write_changes(STORAGE_BINDINGS[binding], &self.storage[binding], before, after)
+        };
+        Ok(changed(0, bytemuck::cast_slice(&before.faces), bytemuck::cast_slice(&after.faces))?
+            + changed(2, bytemuck::cast_slice(&before.knots), bytemuck::cast_slice(&after.knots))?
+            + changed(3, bytemuck::cast_slice(&before.points), bytemuck::cast_slice(&after.points))?)
     }
 
     /// Says how the next frame is shaded.
@@ -85,6 +106,12 @@ impl ProxyBuffers {
             indices: device.buffer("proxy indices", BufferUsages::INDEX, bytemuck::cast_slice(&proxy.indices))?,
             batches: proxy.batches.clone(),
         })
+    }
+
+    /// Uploads the corners that differ between two proxies of the same triangles, and says how many bytes that is.
+    pub(crate) fn write_changes(&self, device: &Device, before: &Proxy, after: &Proxy) -> Result<u64, GpuError> {
+        let [before, after] = [before, after].map(|proxy| bytemuck::cast_slice(&proxy.vertices));
+        device.write_changes("proxy vertices", &self.vertices, before, after)
     }
 
     pub(crate) fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
@@ -127,6 +154,31 @@ impl Device {
             self.queue.write_buffer(&buffer, 0, bytes);
             buffer
         })
+    }
+
+    /// Uploads the runs of words in which `after` differs from `before`, which the buffer holds, and says how many bytes
+    /// that is.
+    pub(crate) fn write_changes(
+        &self,
+        what: &'static str,
+        buffer: &wgpu::Buffer,
+        before: &[u8],
+        after: &[u8],
+    ) -> Result<u64, GpuError> {
+        if before.len() != after.len() {
+            return Err(GpuError::OtherShape { what, expected: before.len(), found: after.len() });
+        }
+        let mut written = 0;
+        self.guarded("uploading an edit", || {
+            let differs = |word: usize| before[word..].iter().zip(&after[word..]).take(WORD).any(|(a, b)| a != b);
+            let starts: Vec<usize> = (0..after.len()).step_by(WORD).collect();
+            for run in starts.chunk_by(|&a, &b| differs(a) == differs(b)).filter(|run| differs(run[0])) {
+                let end = after.len().min(run[run.len() - 1] + WORD);
+                self.queue.write_buffer(buffer, run[0] as u64, &after[run[0]..end]);
+                written += (end - run[0]) as u64;
+            }
+        })?;
+        Ok(written)
     }
 
     /// A storage buffer of zeros that only the device writes.

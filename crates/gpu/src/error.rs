@@ -88,6 +88,16 @@ pub enum GpuError {
         /// Name of the proxy's.
         found: &'static str,
     },
+    /// An edit that changes how much there is of something, which needs a new renderer.
+    #[error("an edit makes {found} bytes of {what} where there are {expected}; make a new renderer")]
+    OtherShape {
+        /// Of what.
+        what: &'static str,
+        /// How many bytes there are.
+        expected: usize,
+        /// How many there would be.
+        found: usize,
+    },
     /// Another number of views than of faces.
     #[error("{found} views for a scene of {expected} faces")]
     ViewCount {

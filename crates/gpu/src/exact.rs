@@ -128,6 +128,21 @@ impl Exact {
         Ok(())
     }
 
+    /// Uploads the pieces and hulls that differ between two proxies, or all where there are not as many; says how many
+    /// bytes that is.
+    pub(crate) fn write_changes(&mut self, device: &Device, before: &Proxy, after: &Proxy) -> Result<u64, GpuError> {
+        let [old, new] = [before, after].map(hull_records);
+        if before.pieces.len() != after.pieces.len() || before.batches != after.batches {
+            self.set_proxy(device, after)?;
+            return Ok((size_of_val(&after.pieces[..]) + size_of_val(&new[..])) as u64);
+        }
+        let [a, b] = [before, after].map(|proxy| bytemuck::cast_slice(&proxy.pieces));
+        let pieces = device.write_changes("pieces", &self.pieces, a, b)?;
+        let hulls =
+            device.write_changes("hulls", &self.hulls, bytemuck::cast_slice(&old), bytemuck::cast_slice(&new))?;
+        Ok(pieces + hulls)
+    }
+
     /// Compiles the pipelines that are not there yet.
     pub(crate) fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
         let kernels =
@@ -264,21 +279,22 @@ fn ranges(proxy: &Proxy) -> Vec<Range> {
 }
 
 fn upload(device: &Device, proxy: &Proxy) -> Result<(wgpu::Buffer, wgpu::Buffer), GpuError> {
-    let hulls: Vec<HullRecord> = proxy
-        .vertices
-        .chunks_exact(8)
-        .map(|corners| {
-            let corner = |i: usize| {
-                let [x, y, z] = corners[i].position;
-                [x, y, z, 1.0]
-            };
-            HullRecord { corners: std::array::from_fn(corner), written: [0; 8] }
-        })
-        .collect();
     Ok((
         device.storage("pieces", bytemuck::cast_slice(&proxy.pieces))?,
-        device.storage("hulls", bytemuck::cast_slice(&hulls))?,
+        device.storage("hulls", bytemuck::cast_slice(&hull_records(proxy)))?,
     ))
+}
+
+/// The hulls of a proxy as they are uploaded.
+fn hull_records(proxy: &Proxy) -> Vec<HullRecord> {
+    let record = |corners: &[pipeline::Vertex]| {
+        let corner = |i: usize| {
+            let [x, y, z] = corners[i].position;
+            [x, y, z, 1.0]
+        };
+        HullRecord { corners: std::array::from_fn(corner), written: [0; 8] }
+    };
+    proxy.vertices.chunks_exact(8).map(record).collect()
 }
 
 fn group_layout(device: &Device, label: &str, bindings: Vec<(u32, wgpu::BindingType)>) -> wgpu::BindGroupLayout {

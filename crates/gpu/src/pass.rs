@@ -226,6 +226,24 @@ impl<'a> Renderer<'a> {
         Ok(())
     }
 
+    /// Takes over an edit: a scene and a proxy whose numbers differ from those `before`, which this renderer has. Only
+    /// what differs is uploaded; returns how many bytes that is.
+    ///
+    /// Trim curves are numbers of their own, so that moving a control point leaves them and every mask alone. Where the
+    /// edit changes how many pieces technique `exact` has, these are all uploaded.
+    ///
+    /// # Errors
+    /// [`GpuError::OtherShape`] where the scenes have other layouts, or the tessellations other corners; as [`Self::new`].
+    pub fn edit(&mut self, before: (&PackedScene, &Proxy), after: (&'a PackedScene, &Proxy)) -> Result<u64, GpuError> {
+        let written = self.buffers.write_changes(self.device, before.0, after.0)?;
+        let proxy = match &mut self.method {
+            Method::Fragment(draw) => draw.proxy.write_changes(self.device, before.1, after.1)?,
+            Method::Exact(exact) => exact.write_changes(self.device, before.1, after.1)?,
+        };
+        self.scene = after.0;
+        Ok(written + proxy)
+    }
+
     /// What each pixel sees, as `camera` has it; `views` are those of the same camera and viewport.
     ///
     /// The adapter and its driver are entered in `meta`. Pixels in which a search of technique `exact` has not converged

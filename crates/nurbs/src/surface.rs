@@ -109,6 +109,22 @@ impl Surface {
         Ok(Self { knots: [knots_u, knots_v], points, weights, hull, origin: center, local })
     }
 
+    /// The same surface with control point (i, j) at `point`; its weight stays.
+    ///
+    /// # Errors
+    /// [`NurbsError::PointNotFinite`].
+    ///
+    /// # Panics
+    /// Where there is no such control point.
+    pub fn with_point(&self, [i, j]: [usize; 2], point: DVec3) -> Result<Self, NurbsError> {
+        let [rows, columns] = self.control_counts();
+        assert!(i < rows && j < columns, "control point ({i}, {j}) of {rows} × {columns}");
+        let mut points = self.points.clone();
+        points[i * columns + j] = point;
+        let [u, v] = self.knots.clone();
+        Self::new(u, v, points, self.weights.clone())
+    }
+
     /// The knot vector of a direction.
     pub fn knots(&self, direction: Direction) -> &KnotVector {
         &self.knots[direction as usize]

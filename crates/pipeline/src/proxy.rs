@@ -159,6 +159,27 @@ impl Proxy {
         }
     }
 
+    /// Moves the corners of a face with its surface, at the parameters that they have: after an edit nothing is tessellated
+    /// anew. [`Self::chord`] says what the triangles are good for then.
+    ///
+    /// Hulls do not follow: after an edit [`Self::hulls`] makes them anew.
+    ///
+    /// # Panics
+    /// Where the model has no such face.
+    pub fn follow(&mut self, model: &Model, scene: &PackedScene, face: FaceId) {
+        let id = face.0 as usize;
+        let of_face = |vertex: &Vertex| vertex.face == face.0;
+        let Some(first) = self.vertices.iter().position(of_face).filter(|_| self.pieces.is_empty()) else { return };
+        let corners = &self.vertices[first..];
+        let count = corners.iter().take_while(|vertex| of_face(vertex)).count();
+        let columns = corners[..count].iter().take_while(|vertex| vertex.uv[0] == corners[0].uv[0]).count();
+        let u = corners[..count].iter().step_by(columns).map(|vertex| vertex.uv[0]).collect();
+        let v = corners[..columns].iter().map(|vertex| vertex.uv[1]).collect();
+        let (moved, chord) = mesh(model, scene, id, &[Lines { local: u }, Lines { local: v }]);
+        self.vertices[first..first + count].copy_from_slice(&moved);
+        self.chord[id] = chord;
+    }
+
     /// The hulls of all pieces of all faces, for technique `exact`: no pixel whose centre sees a piece, as `camera` has
     /// it, lies outside its hull.
     ///

@@ -28,9 +28,7 @@ impl Model {
         }
         let region = |(index, face): (usize, &Face)| Region::new(index, face, &surfaces[face.surface]);
         let regions: Vec<Option<Region>> = faces.iter().enumerate().map(region).collect::<Result<_, _>>()?;
-        let hull = faces.iter().zip(&regions).flat_map(|(face, region)| seen(&surfaces[face.surface], region.as_ref()));
-        let hull =
-            hull.map(|patch| patch.hull()).reduce(Hull::union).expect("a face has a span, and a region is in one");
+        let hull = hull(&surfaces, &faces, &regions);
         Ok(Self { name: name.into(), surfaces, faces, regions, hull })
     }
 
@@ -41,6 +39,20 @@ impl Model {
     pub fn of_surfaces(name: impl Into<String>, surfaces: Vec<Surface>) -> Result<Self, SceneError> {
         let faces = (0..surfaces.len()).map(Face::whole).collect();
         Self::new(name, surfaces, faces)
+    }
+
+    /// The same model with another surface in place of surface `index`, on the same domain: a control point has moved.
+    ///
+    /// Loops are curves in parameters, so that every region stays as it is.
+    ///
+    /// # Panics
+    /// Where there is no such surface, or the domain is another one.
+    pub fn with_surface(&self, index: usize, surface: Surface) -> Self {
+        assert_eq!(self.surfaces[index].domain(), surface.domain(), "a region is a part of its surface's domain");
+        let mut model = self.clone();
+        model.surfaces[index] = surface;
+        model.hull = hull(&model.surfaces, &model.faces, &model.regions);
+        model
     }
 
     /// The model's name, for titles and file names.
@@ -119,6 +131,12 @@ impl Model {
         }
         format!("{hash:016x}")
     }
+}
+
+/// A box that holds what is seen of all faces.
+fn hull(surfaces: &[Surface], faces: &[Face], regions: &[Option<Region>]) -> Hull {
+    let patches = faces.iter().zip(regions).flat_map(|(face, region)| seen(&surfaces[face.surface], region.as_ref()));
+    patches.map(|patch| patch.hull()).reduce(Hull::union).expect("a face has a span, and a region is in one")
 }
 
 /// The Bézier pieces of a surface, cut at the box of a region.
