@@ -76,6 +76,9 @@ fn triangles() -> Vec<Shown> {
         strip("thin in v", true),
         cusp("slow in u", false),
         cusp("slow in v", true),
+        framed("islands", builtin("islands"), Scheme::Specialised),
+        framed("a word", builtin("text"), Scheme::General),
+        framed("across a seam", builtin("window"), Scheme::Specialised),
         vertex_normals(ShadeKind::Normal),
         vertex_normals(ShadeKind::Gaussian),
     ]
