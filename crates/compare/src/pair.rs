@@ -1,6 +1,7 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
 use crate::judge::{Difference, Judge};
+use crate::trim::{self, Place};
 use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
@@ -255,10 +256,30 @@ impl Pair<'_, '_> {
         offsets.map(move |offset| center + radius * offset)
     }
 
-    /// Whether a border of the hit's face passes within `radius` pixels of a position, or the near plane cuts it there.
+    /// Whether an edge at which the hit's face was trimmed passes within `radius` pixels of a position, as far as the
+    /// tangent plane at the hit tells.
+    fn near_trim(&self, hit: &Hit, center: DVec2, radius: f64) -> bool {
+        const STEP: f64 = 1e-6;
+        let Some(region) = self.judge.trimmed_region(hit.face) else { return false };
+        let d = self.judge.model.surface(hit.face).first_derivatives(hit.uv.x, hit.uv.y);
+        let [at, along_u, along_v] = [DVec3::ZERO, d.su, d.sv].map(|tangent| self.judge.picture(d.s + STEP * tangent));
+        let (Some(at), Some(along_u), Some(along_v)) = (at, along_u, along_v) else { return false };
+        let (a, b) = ((along_u - at) / STEP, (along_v - at) / STEP);
+        // The greatest u and v of a circle in the picture: the rows of the inverse, times its radius.
+        let reach = DVec2::new(b.length(), a.length()) * ((radius + at.distance(center)) / a.perp_dot(b).abs());
+        let size = region.domain().size();
+        let band = if reach.is_finite() { reach.min(size) } else { size };
+        trim::place(region, hit.uv, band) == Place::Edge
+    }
+
+    /// Whether a border of the hit's face, natural or trimmed, passes within `radius` pixels of a position, or the near
+    /// plane cuts it there.
     fn near_border(&self, hit: &Hit, center: DVec2, radius: f64) -> bool {
         let beyond_near = self.judge.camera.depth(hit.position) - self.judge.camera.near();
         if beyond_near <= self.deviation.model_units(hit.face.0 as usize) {
+            return true;
+        }
+        if self.near_trim(hit, center, radius) {
             return true;
         }
         let surface = self.judge.model.surface(hit.face);
