@@ -13,7 +13,7 @@ use scene::Region;
 const HALVINGS: u32 = 60;
 
 /// Rounding of a point's distance from a chord, in ε times the greatest coordinate: de Casteljau's and the cross product's.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// The share by which a distance to the edge may be understated.
 const DISTANCE_SLACK: f64 = 0.01;
@@ -63,7 +63,7 @@ impl Classifier {
     /// Whether the point (u, v) of the closed domain is material: the winding number of all loops is not zero.
     ///
     /// A point on the domain's border counts as its neighbour inside. Right for every point that is farther from all
-    /// edges than 64 ε of the loops' greatest coordinate; on the edge itself it is one of the two answers.
+    /// edges than 16 ε of the loops' greatest coordinate; on the edge itself it is one of the two answers.
     pub fn inside(&self, uv: DVec2) -> bool {
         let below = self.domain.max.map(f64::next_down);
         self.winding(uv.clamp(self.domain.min, below)) != 0
@@ -168,7 +168,13 @@ fn winding_about_origin(control: &[DVec3], rounding: f64, halvings: u32) -> i32 
     let origin = along.perp_dot(-start);
     let offsets = control.iter().map(|c| along.perp_dot(c.truncate() / c.z - start));
     let (low, high) = offsets.fold((0.0f64, 0.0f64), |(low, high), d| (low.min(d), high.max(d)));
-    if origin < low - rounding || high + rounding < origin || halvings == 0 || high - low <= rounding {
+    // A segment that ends where it begins has no chord to be near to: it is a point or must be halved.
+    let is_thin = if start == end {
+        control.iter().all(|c| (c.truncate() / c.z).distance(start) <= rounding)
+    } else {
+        high - low <= rounding
+    };
+    if origin < low - rounding || high + rounding < origin || halvings == 0 || is_thin {
         let crosses_up = start.y <= 0.0 && 0.0 < end.y && 0.0 < origin;
         let crosses_down = end.y <= 0.0 && 0.0 < start.y && origin < 0.0;
         return i32::from(crosses_up) - i32::from(crosses_down);

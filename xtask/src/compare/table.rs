@@ -27,9 +27,6 @@ pub(super) fn print(report: &Report) {
     if report.undecided > 0 {
         println!("the ray caster left {} pixels undecided", report.undecided);
     }
-    if let Some(note) = report.note {
-        println!("note: {note}");
-    }
 }
 
 /// Prints a row a pair, then their causes and worst pixels.

@@ -71,15 +71,15 @@ fn trims_follow_the_convention_of_the_file_or_their_own() {
     let face = |knots: &str, own: &str| {
         format!(
             r#""faces":[{{"surface":0,"loops":[{{"outer":true,"trims":[
-            {{"degree":2,{own}"knots":{knots},"points":[[0,0],[1,0],[0,0]],"edge":7}}]}}]}}],"#
+            {{"degree":2,{own}"knots":{knots},"points":[[0,0],[1,0],[1,1],[0,1],[0,0]],"edge":7}}]}}]}}],"#
         )
     };
-    let full = parse(&document("[0,0,0,1,1,1]", &face("[0,0,0,1,1,1]", "")));
-    let own = parse(&document("[0,0,0,1,1,1]", &face("[0,0,1,1]", r#""knot_convention":"short","#)));
+    let full = parse(&document("[0,0,0,1,1,1]", &face("[0,0,0,0.5,0.5,1,1,1]", "")));
+    let own = parse(&document("[0,0,0,1,1,1]", &face("[0,0,0.5,0.5,1,1]", r#""knot_convention":"short","#)));
     assert_eq!(own, full);
     let trim = &full.faces()[0].loops[0].trims[0];
     assert_eq!((trim.edge, trim.reversed, trim.seam, trim.degenerate), (Some(7), false, false, false));
-    let more = format!(r#""knot_convention":"short",{}"#, face("[0,0,1,1]", ""));
+    let more = format!(r#""knot_convention":"short",{}"#, face("[0,0,0.5,0.5,1,1]", ""));
     assert_eq!(parse(&document("[0,0,1,1]", &more).replace("[0,0,1,1],\n", "[0,1],\n")), full);
 }
 

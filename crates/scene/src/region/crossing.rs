@@ -45,7 +45,10 @@ pub(super) fn check(frame: &Frame, loops: &[ClosedLoop], pieces: &[Piece]) -> Re
 }
 
 fn error(frame: &Frame, loops: &[ClosedLoop], [a, b]: [&Piece; 2], at: DVec2) -> SceneError {
-    let [first, second] = [a, b].map(|piece| TrimPlace { boundary: loops[piece.loop_index].source, trim: piece.trim });
+    // Lists longer than u32 counts do not fit in a file.
+    let index = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
+    let [first, second] = [a, b]
+        .map(|piece| TrimPlace { boundary: loops[piece.loop_index].source.map(index), trim: piece.trim.map(index) });
     SceneError::TrimsCross { face: frame.face, first, second, at: at.to_array() }
 }
 
