@@ -77,7 +77,7 @@ fn three_renderers_agree_on_every_trimmed_model_in_both_techniques() {
 #[test]
 fn three_renderers_agree_on_real_trimmed_models() {
     let Some(folder) = frozen::neutral() else { return };
-    let models = ["nacelle.json", "nist_11.json"].map(|file| formats::read(&folder.join(file)).expect("a model"));
+    let models = ["nacelle.json", "nist_11.json"].map(|file| formats::read(folder.join(file)).expect("a model"));
     assert_agreement(&models, 64);
 }
 
