@@ -41,8 +41,8 @@ struct Picture {
     // The meetings of this frame; beyond the array's end they are only counted.
     count: atomic<u32>,
     // Two for each pixel, row-major: the greatest order met; the meeting to be shown, plus one. Then, from
-    // `batch.unconverged`, a bit for each pixel: a search has not converged there. Then a count of large hulls for each
-    // batch.
+    // `batch.unconverged`, a bit for each pixel: a search has not converged there. From `batch.evaluations` on, how often
+    // the surface was evaluated for each pixel. Then a count of large hulls for each batch.
     words: array<atomic<u32>>,
 }
 
@@ -53,6 +53,7 @@ struct Batch {
     width: u32,
     height: u32,
     unconverged: u32,
+    evaluations: u32,
     large: u32,
 }
 
@@ -178,7 +179,9 @@ fn meet(index: u32, start: u32, stride: u32) {
     for (var k = start; k < size.x * size.y; k += stride) {
         let at = first + vec2<u32>(k % size.x, k / size.x);
         let pixel = at.y * batch.width + at.x;
+        evaluations = 0u;
         let outcome = solve(piece, sight(view, vec2<f32>(at) + 0.5));
+        atomicAdd(&picture.words[batch.evaluations + pixel], evaluations);
         if (outcome.status == UNCONVERGED) {
             atomicOr(&picture.words[batch.unconverged + pixel / 32u], 1u << (pixel % 32u));
         }

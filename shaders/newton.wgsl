@@ -24,6 +24,9 @@ const HIT: u32 = 0u;
 const MISS: u32 = 1u;
 const UNCONVERGED: u32 = 2u;
 
+// How often the thread has evaluated the surface.
+var<private> evaluations: u32;
+
 struct Outcome {
     status: u32,
     uv: vec2<f32>,
@@ -134,6 +137,9 @@ fn seeds(piece: PieceRecord, s: Sight) -> Seeds {
             let last = (1.0 - at) / speed;
             near = max(near, min(first, last));
             far = min(far, max(first, last));
+        } else if (abs(at) > 1.0) {
+            near = GREATEST;
+            far = -GREATEST;
         }
     }
     let beyond = s.w - s.z;
@@ -252,6 +258,7 @@ fn moved(at: Place, step: vec2<f32>) -> vec2<f32> {
 }
 
 fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
+    evaluations += 1u;
     let face = faces[piece.face];
     let p = degree(face.degree_u);
     let q = degree(face.degree_v);

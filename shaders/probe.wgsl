@@ -6,7 +6,10 @@ struct ProbeQuery {
     padding: u32,
 }
 
-// The same four vectors as GBufferOutput.
+// Set in the status of an answer where the face has material.
+const MATERIAL: u32 = 0x100u;
+
+// The same four vectors as GBufferOutput, with MATERIAL in the status.
 struct ProbeAnswer {
     identity: vec4<u32>,
     position: vec4<f32>,
@@ -25,8 +28,9 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let query = probe_queries[index];
     let f = fragment(query.face, query.uv);
+    let material = select(0u, MATERIAL, is_material(faces[query.face], query.uv));
     probe_answers[index] = ProbeAnswer(
-        vec4<u32>(query.face + 1u, f.status, f.span),
+        vec4<u32>(query.face + 1u, f.status | material, f.span),
         vec4<f32>(f.position, f.uv.x),
         vec4<f32>(f.normal, f.uv.y),
         vec4<f32>(f.curvature, f.speed),

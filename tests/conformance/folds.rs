@@ -36,7 +36,7 @@ fn a_root_beyond_the_fold_hides_those_that_the_first_searches_find() {
         let at = [x as f64 + 0.5, y as f64 + 0.5];
         let sees = |piece: &pipeline::PieceRecord| {
             let sight = Sight::new(&stage.views[piece.face as usize], at.map(|x| x as f32));
-            match solve(&stage.scene, piece, &sight) {
+            match solve(&stage.scene, piece, &sight).outcome {
                 Outcome::Hit { uv, depth } => Some((depth, uv, piece.face as usize)),
                 Outcome::Miss | Outcome::Unconverged => None,
             }

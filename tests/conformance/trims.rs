@@ -1,7 +1,10 @@
 //! Point classification: the frozen answers of `testdata/trims` are whole, and a plain classifier gives the same.
 
+mod agreement;
+mod area;
 pub mod frozen;
 mod plain;
+mod sides;
 
 use frozen::{BAND, FrozenFace, FrozenSet};
 use glam::{DVec2, dvec2};

@@ -354,7 +354,7 @@ mod tests {
         };
         assert_eq!(size("Hull"), (size_of::<HullRecord>(), 8 * 16 + 16));
         assert_eq!(size("Meeting"), (picture::MEETING_BYTES as usize, 16));
-        assert_eq!(size("Batch"), (24, 20));
+        assert_eq!(size("Batch"), (28, 24));
         assert_eq!(size("Picture").1, 4 * picture::HEAD);
         let constant = |name: &str| {
             let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();

@@ -18,4 +18,4 @@ mod readback;
 pub use device::{AdapterInfo, AdapterKind, Device, adapters};
 pub use error::{GpuError, SOFTWARE_DRIVER};
 pub use pass::{DepthOrder, Overrides, Renderer, RendererOptions, Timing};
-pub use probe::{PROBE, probe};
+pub use probe::{PROBE, probe, probe_material};

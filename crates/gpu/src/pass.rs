@@ -300,6 +300,18 @@ impl<'a> Renderer<'a> {
         Ok(fragments)
     }
 
+    /// How often technique `exact` evaluates the surface for each pixel, row-major from the top, to draw the picture: what
+    /// the search costs, and a witness of the path that it takes to what it finds.
+    ///
+    /// # Errors
+    /// [`GpuError::Technique`] where the renderer is of another technique; else as [`Self::gbuffer`].
+    pub fn evaluations(&mut self, views: &[View], viewport: Viewport) -> Result<Vec<u32>, GpuError> {
+        match self.draw(views, viewport, Output::GBuffer)? {
+            (_, Store::Meetings(meetings)) => meetings.evaluations(self.device),
+            (_, Store::Depth(_)) => Err(other_technique(Technique::Fragment, Technique::Exact)),
+        }
+    }
+
     fn hit(&self, fragment: &Fragment, camera: &Camera, viewport: Viewport, x: usize, y: usize) -> Hit {
         let ray = camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5);
         let hit = self.scene.hit(fragment, &ray);

@@ -24,6 +24,9 @@ const UNANSWERED: u32 = u32::MAX;
 
 const PROBING: &str = "probing";
 
+/// `MATERIAL` in `shaders/probe.wgsl`.
+const MATERIAL: u32 = 0x100;
+
 /// One question, `ProbeQuery` in `shaders/probe.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -47,6 +50,34 @@ pub fn probe(
     program: Program,
     queries: &[(u32, [f32; 2])],
 ) -> Result<Vec<Fragment>, GpuError> {
+    let plain = |mut record: Record| {
+        record.identity[1] &= !MATERIAL;
+        record.fragment()
+    };
+    Ok(answers(device, scene, program, queries)?.into_iter().map(plain).collect())
+}
+
+/// Whether the face has material, for each (face, local (u, v)) in order: the trimming of `program`, asked as [`probe()`]
+/// asks the rest of it.
+///
+/// # Errors
+/// As [`probe()`].
+pub fn probe_material(
+    device: &Device,
+    scene: &PackedScene,
+    program: Program,
+    queries: &[(u32, [f32; 2])],
+) -> Result<Vec<bool>, GpuError> {
+    let is_material = |record: Record| record.identity[1] & MATERIAL != 0;
+    Ok(answers(device, scene, program, queries)?.into_iter().map(is_material).collect())
+}
+
+fn answers(
+    device: &Device,
+    scene: &PackedScene,
+    program: Program,
+    queries: &[(u32, [f32; 2])],
+) -> Result<Vec<Record>, GpuError> {
     let of_program = |face: u32| scene.programs.get(face as usize) == Some(&program);
     if let Some(index) = queries.iter().position(|&(face, _)| !of_program(face)) {
         return Err(GpuError::ProbeFace { index, face: queries[index].0, program: format!("{program:?}") });
@@ -92,17 +123,17 @@ pub fn probe(
             (pipeline, layout)
         })
         .map_err(|error| as_shader_error(error, program, "probe"))?;
-    let mut fragments = Vec::with_capacity(queries.len());
+    let mut answers = Vec::with_capacity(queries.len());
     for chunk in queries.chunks(GREATEST_DISPATCH) {
         let records = dispatch(device, &buffers, &pipeline, &layout, chunk)?;
         for (record, &(face, _)) in records.iter().zip(chunk) {
             if record.identity[0] != face + 1 {
-                return Err(GpuError::Unanswered { index: fragments.len() });
+                return Err(GpuError::Unanswered { index: answers.len() });
             }
-            fragments.push(record.fragment());
+            answers.push(*record);
         }
     }
-    Ok(fragments)
+    Ok(answers)
 }
 
 fn dispatch(
@@ -154,6 +185,8 @@ mod tests {
         };
         assert_eq!(members("ProbeQuery"), (size_of::<Query>(), vec![0, 8, 12]));
         assert_eq!(members("ProbeAnswer"), (size_of::<Record>(), vec![0, 16, 32, 48]));
+        let (_, material) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some("MATERIAL")).unwrap();
+        assert_eq!(module.global_expressions[material.init], naga::Expression::Literal(naga::Literal::U32(MATERIAL)));
         assert!(module.entry_points.iter().any(|e| e.name == "probe" && e.workgroup_size == [WORKGROUP as u32, 1, 1]));
     }
 }

@@ -36,6 +36,7 @@ use crate::layout::{PieceRecord, View};
 use crate::trim;
 use fold::Queue;
 use nurbs::MAX_ORDER;
+use std::cell::Cell;
 
 /// Evaluations of S from one seed, at most.
 pub const EVALUATIONS: u32 = 32;
@@ -112,6 +113,15 @@ pub enum Outcome {
     Unconverged,
 }
 
+/// What a search found, and what it took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solution {
+    /// The nearest point of the piece.
+    pub outcome: Outcome,
+    /// How often the surface was evaluated.
+    pub evaluations: u32,
+}
+
 /// A pixel's ray as planes in a face's local coordinates: offsets times w in x (right) and y (up), z, and w.
 #[derive(Debug, Clone, Copy)]
 pub struct Sight {
@@ -163,6 +173,7 @@ struct Problem<'a> {
     piece: &'a PieceRecord,
     sight: &'a Sight,
     degree: [usize; 2],
+    evaluations: Cell<u32>,
 }
 
 /// Where a search ended.
@@ -172,11 +183,11 @@ struct End {
 }
 
 /// The nearest point of a piece on a pixel's ray.
-pub fn solve(scene: &PackedScene, piece: &PieceRecord, sight: &Sight) -> Outcome {
-    let Some(seeds) = seeds(piece, sight) else { return Outcome::Miss };
+pub fn solve(scene: &PackedScene, piece: &PieceRecord, sight: &Sight) -> Solution {
+    let Some(seeds) = seeds(piece, sight) else { return Solution { outcome: Outcome::Miss, evaluations: 0 } };
     let face = &scene.faces[piece.face as usize];
     let degree = [face.degree_u, face.degree_v].map(|p| p as usize);
-    let problem = Problem { scene, piece, sight, degree };
+    let problem = Problem { scene, piece, sight, degree, evaluations: Cell::new(0) };
     match degree {
         [3, 3] => Problem { degree: [3, 3], ..problem }.search_all::<4>(seeds),
         [5, 5] => Problem { degree: [5, 5], ..problem }.search_all::<6>(seeds),
@@ -207,6 +218,8 @@ fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<[[f32; 2]; 2]> {
             let (first, last) = ((-1.0 - start) / speed, (1.0 - start) / speed);
             near = near.max(first.min(last));
             far = far.min(first.max(last));
+        } else if start.abs() > 1.0 {
+            (near, far) = (f32::MAX, f32::MIN);
         }
     }
     let beyond: [f32; 4] = std::array::from_fn(|i| sight.w[i] - sight.z[i]);
@@ -234,7 +247,7 @@ fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<[[f32; 2]; 2]> {
 
 impl Problem<'_> {
     #[inline(always)]
-    fn search_all<const CAPACITY: usize>(&self, [first, last]: [[f32; 2]; 2]) -> Outcome {
+    fn search_all<const CAPACITY: usize>(&self, [first, last]: [[f32; 2]; 2]) -> Solution {
         let extent = extent(self.piece);
         let near = |a: [f32; 2], b: [f32; 2], share: f32| (0..2).all(|k| (a[k] - b[k]).abs() <= share * extent[k]);
         let mut queue = Queue { seeds: [[0.0; 2]; QUEUE], count: 0 };
@@ -264,7 +277,7 @@ impl Problem<'_> {
             before = end.at.uv;
             k += 1;
         }
-        best
+        Solution { outcome: best, evaluations: self.evaluations.get() }
     }
 
     #[inline(always)]
@@ -320,7 +333,8 @@ impl Problem<'_> {
 
     #[inline(always)]
     fn place<const CAPACITY: usize>(&self, uv: [f32; 2]) -> Place {
-        let Self { scene, piece, sight, degree } = *self;
+        let &Self { scene, piece, sight, degree, ref evaluations } = self;
+        evaluations.set(evaluations.get() + 1);
         let face = &scene.faces[piece.face as usize];
         let [ku, kv] = scene.knots(face);
         let [span_u, span_v] = [piece.span_u as usize, piece.span_v as usize];

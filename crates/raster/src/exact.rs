@@ -24,5 +24,5 @@ pub fn far_side(raster: &Rasterizer, id: u32, shift: [f32; 2]) -> Option<(usize,
 pub fn look(raster: &Rasterizer, piece: usize, at: [f32; 2]) -> Outcome {
     let drawing = &raster.drawing;
     let piece = &drawing.proxy.pieces[piece];
-    newton::solve(drawing.scene, piece, &Sight::new(&drawing.views[piece.face as usize], at))
+    newton::solve(drawing.scene, piece, &Sight::new(&drawing.views[piece.face as usize], at)).outcome
 }

@@ -28,6 +28,10 @@ pub enum Scene {
     Steep,
     /// A square whose edge u = 1 runs exactly through a column of pixel centres.
     EdgeOnCentres,
+    /// A trimmed face: a hole, an island in it, a hole in the island.
+    Islands,
+    /// A trimmed face of many short edges.
+    Text,
 }
 
 /// All of them.
@@ -39,6 +43,8 @@ pub const ALL: &[Scene] = &[
     Scene::Reversed,
     Scene::Steep,
     Scene::EdgeOnCentres,
+    Scene::Islands,
+    Scene::Text,
 ];
 
 /// A scene's model and camera.
@@ -56,6 +62,8 @@ impl Shown {
             Scene::Rational => framed(builtin("torus")),
             Scene::Wave => framed(builtin("rational")),
             Scene::Reversed => framed(reversed(&builtin("teapot"))),
+            Scene::Islands => framed(builtin("islands")),
+            Scene::Text => framed(builtin("text")),
             Scene::Steep => {
                 let projection = Projection::Perspective { fov_deg: 70.0 };
                 let camera = Camera::look_at(DVec3::new(0.0, -1.2, 0.35), DVec3::ZERO, DVec3::Z, projection);

@@ -178,7 +178,54 @@ const FAULTS: &[Fault] = &[
         scenes: SURFACES,
         cause: Cause::Position,
     },
+    Fault {
+        name: "non-zero for even-odd",
+        replace: &[("(left - first) % 2u == 1u", "(left - first) > 0u")],
+        scenes: TRIMMED,
+        cause: Cause::Trim,
+    },
+    Fault {
+        name: "material and holes exchanged",
+        replace: &[("(left - first) % 2u == 1u", "(left - first) % 2u == 0u")],
+        scenes: TRIMMED,
+        cause: Cause::Trim,
+    },
+    Fault {
+        name: "an interval too far",
+        replace: &[("let starts = ends + face.intervals + 1u;", "let starts = ends + face.intervals + 2u;")],
+        scenes: TRIMMED,
+        cause: Cause::Trim,
+    },
+    Fault {
+        name: "the last edge of an interval forgotten",
+        replace: &[("var right = u32(knots[starts + low + 1u]);", "var right = u32(knots[starts + low + 1u]) - 1u;")],
+        scenes: &[Scene::Islands],
+        cause: Cause::Trim,
+    },
+    Fault {
+        name: "edges in the wrong order",
+        replace: &[(
+            "passes_left(points[middle], at)",
+            "passes_left(points[first + u32(knots[starts + low + 1u]) - 1u - middle], at)",
+        )],
+        scenes: TRIMMED,
+        cause: Cause::Trim,
+    },
+    Fault {
+        name: "edges bisected once",
+        replace: &[("const BISECTIONS: u32 = 24u;", "const BISECTIONS: u32 = 1u;")],
+        scenes: &[Scene::Islands],
+        cause: Cause::Trim,
+    },
+    Fault {
+        name: "bisection to the wrong half",
+        replace: &[("c.y <= y * c.z", "c.y > y * c.z")],
+        scenes: &[Scene::Islands],
+        cause: Cause::Trim,
+    },
 ];
+
+const TRIMMED: &[Scene] = &[Scene::Islands, Scene::Text];
 
 /// Every fault on its scenes.
 pub fn labelled() -> Vec<Labelled> {

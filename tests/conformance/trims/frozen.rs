@@ -149,18 +149,24 @@ pub fn random() -> Vec<(Model, FrozenSet)> {
     sets("random-").into_iter().map(|set| (open(&set), set)).collect()
 }
 
-/// Faces of real models, which are not part of the repository: `ISOPHOTE_MODELS`, or `../shared/models` beside the
+/// Folder of real models, which are not part of the repository: `ISOPHOTE_MODELS`, or `../shared/models` beside the
 /// workspace, has them converted in `../oracle/neutral`. `None`, said on stderr, where that folder does not exist.
-pub fn real() -> Option<Vec<(Model, FrozenSet)>> {
+pub fn neutral() -> Option<PathBuf> {
     let named = std::env::var_os("ISOPHOTE_MODELS");
     let models =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(named.as_deref().unwrap_or("../shared/models".as_ref()));
     let folder = models.join("../oracle/neutral");
     if !folder.is_dir() {
         assert!(named.is_none(), "there is no folder {}", folder.display());
-        eprintln!("no folder {}: only random faces were tested", folder.display());
+        eprintln!("no folder {}: no real model was tested", folder.display());
         return None;
     }
+    Some(folder)
+}
+
+/// The faces of real models, where they are.
+pub fn real() -> Option<Vec<(Model, FrozenSet)>> {
+    let folder = neutral()?;
     let open = |set: &FrozenSet| formats::read(folder.join(&set.model)).expect("a model");
     Some(sets("real-").into_iter().map(|set| (open(&set), set)).collect())
 }

@@ -5,6 +5,7 @@ use pipeline::Program;
 use pipeline::Technique;
 use pipeline::wgsl::{self, PARTS, Part, Variant};
 use rayon::prelude::*;
+use scene::Model;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -84,6 +85,11 @@ impl Mutant {
         let part = self.part();
         let changed = [&part.text[..self.start], &self.key.replacement, &part.text[self.end..]].concat();
         wgsl::source(variant).replacen(part.text, &changed, 1)
+    }
+
+    /// Whether a scene can show it: no program of untrimmed faces asks for their edges.
+    pub fn is_shown_by(&self, model: &Model) -> bool {
+        self.key.file != "trim.wgsl" || model.is_trimmed()
     }
 
     fn part(&self) -> &'static Part {

@@ -76,6 +76,10 @@ fn triangles() -> Vec<Shown> {
         strip("thin in v", true),
         cusp("slow in u", false),
         cusp("slow in v", true),
+        framed("islands", builtin("islands"), Scheme::Specialised),
+        framed("a word", builtin("text"), Scheme::General),
+        framed("beside a whole face", joined(&builtin("cusp"), &cylinder()), Scheme::General),
+        framed("across a seam", builtin("window"), Scheme::Specialised),
         vertex_normals(ShadeKind::Normal),
         vertex_normals(ShadeKind::Gaussian),
     ]
@@ -155,6 +159,13 @@ fn cylinder() -> Model {
     let (u, v) = (knots(2, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]), knots(1, &[0.0, 0.0, 1.0, 1.0]));
     let surface = Surface::new(u, v, points, Some(weights)).expect("legal");
     Model::of_surfaces("cylinder", vec![surface]).expect("one face")
+}
+
+/// The faces of both.
+fn joined(a: &Model, b: &Model) -> Model {
+    let moved = b.faces().iter().map(|face| Face { surface: face.surface + a.surfaces().len(), ..face.clone() });
+    let faces = a.faces().iter().cloned().chain(moved).collect();
+    Model::new(a.name(), [a.surfaces(), b.surfaces()].concat(), faces).expect("as legal as before")
 }
 
 /// The same surfaces, seen from their other side.

@@ -6,9 +6,11 @@ use anyhow::{Result, bail};
 use compare::Verdict;
 use gbuffer::{GBuffer, Hit, Shading};
 use pipeline::fragment::{Fragment, fragment};
+use pipeline::newton::{self, Sight};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{Proxy, Technique};
+use pipeline::{PieceRecord, Proxy, Technique};
 use raycast::Caster;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -40,6 +42,8 @@ pub struct Trial<'s> {
     stage: Stage<'s>,
     caster: Caster<'s>,
     reference: GBuffer,
+    /// How often technique `exact` evaluates the surface for each pixel.
+    evaluations: Vec<u32>,
 }
 
 impl<'s> Trial<'s> {
@@ -67,7 +71,11 @@ impl<'s> Trial<'s> {
         } else {
             stage.raycast(&caster)
         };
-        Ok(Self { shown, stage, caster, reference })
+        let evaluations = match shown.plan.technique {
+            Technique::Fragment => vec![],
+            Technique::Exact => evaluations(&stage),
+        };
+        Ok(Self { shown, stage, caster, reference, evaluations })
     }
 
     /// Draws with the programs that `source` makes, and judges them. A GPU that refuses or fails is a catch too; the
@@ -123,6 +131,15 @@ impl<'s> Trial<'s> {
                 let worst = pair.worst.first().map_or(String::new(), |p| format!("({}, {}): {}", p.x, p.y, p.detail));
                 return Ok(Some(self.caught(cause, worst)));
             }
+            if self.shown.plan.technique == Technique::Exact {
+                let found = match renderer.evaluations(views, *viewport) {
+                    Ok(found) => found,
+                    Err(error) => return refused(error),
+                };
+                if let Some(detail) = self.wrong_effort(&found) {
+                    return Ok(Some(self.caught("effort", detail)));
+                }
+            }
             Cow::Owned(gbuffer)
         };
         let picture = match renderer.shaded(views, &uniform, *viewport) {
@@ -154,10 +171,43 @@ impl<'s> Trial<'s> {
         })
     }
 
+    /// Pixels for which the search takes another path than that of the program in Rust: it ends at the same place, or the
+    /// comparison would have said so, but evaluates the surface another number of times.
+    fn wrong_effort(&self, found: &[u32]) -> Option<String> {
+        let is_off = |k: &usize| self.evaluations[*k] != found[*k];
+        let off = (0..found.len()).filter(is_off).count();
+        let searched = self.evaluations.iter().filter(|&&count| count > 0).count();
+        let first = (0..found.len()).find(is_off).filter(|_| off > EFFORT_PIXELS + searched / EFFORT_SHARE)?;
+        let (x, y) = (first % self.shown.viewport.width(), first / self.shown.viewport.width());
+        let (is, expected) = (found[first], self.evaluations[first]);
+        Some(format!("{off} of {searched} pixels searched otherwise, ({x}, {y}) in {is} evaluations, not {expected}"))
+    }
+
     fn caught(&self, cause: &str, detail: String) -> Catch {
         Catch { scene: self.shown.name.to_owned(), cause: cause.to_owned(), detail }
     }
 }
+
+/// How often the search of technique `exact` evaluates the surface for each pixel, row-major. A ray that passes by a hull
+/// costs none, so that it does not matter in which pixels a hull is looked for.
+fn evaluations(stage: &Stage) -> Vec<u32> {
+    let width = stage.viewport.width();
+    let of_pixel = |k: usize| -> u32 {
+        let at = [(k % width) as f32 + 0.5, (k / width) as f32 + 0.5];
+        let of_piece = |piece: &PieceRecord| {
+            newton::solve(&stage.scene, piece, &Sight::new(&stage.views[piece.face as usize], at)).evaluations
+        };
+        stage.proxy.pieces.iter().map(of_piece).sum()
+    };
+    (0..stage.viewport.pixels()).into_par_iter().map(of_pixel).collect()
+}
+
+/// In one pixel of so many, and in [`EFFORT_PIXELS`] of any picture, the search may take another path because f32 rounds
+/// otherwise: where a step just keeps its promise, or a ray grazes a hull's edge.
+const EFFORT_SHARE: usize = 256;
+
+/// See [`EFFORT_SHARE`].
+const EFFORT_PIXELS: usize = 4;
 
 /// A speed may be off by this share of the greatest in the picture: far more than f32's rounding, far less than any
 /// mistake in computing it.

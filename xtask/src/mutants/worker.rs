@@ -107,7 +107,9 @@ fn answer<'s>(
     let source = |variant| job.mutant.as_ref().map_or_else(|| wgsl::source(variant), |mutant| mutant.source(variant));
     let technique = Technique::from(job.technique);
     let mut agreed = 0;
-    for (shown, trial) in shown.iter().zip(trials).filter(|(shown, _)| shown.plan.technique == technique) {
+    let is_shown = |shown: &Shown| job.mutant.as_ref().is_none_or(|mutant| mutant.is_shown_by(&shown.model));
+    let of_technique = |(shown, _): &(&Shown, _)| shown.plan.technique == technique && is_shown(shown);
+    for (shown, trial) in shown.iter().zip(trials).filter(of_technique) {
         say(Word::Scene(shown.name.to_owned()))?;
         let trial = match trial {
             Some(trial) => trial,

@@ -32,8 +32,9 @@ struct BatchUniform {
     width: u32,
     height: u32,
     unconverged: u32,
+    evaluations: u32,
     large: u32,
-    padding: [u32; 58],
+    padding: [u32; 57],
 }
 
 /// Buffers and groups of one picture.
@@ -53,7 +54,8 @@ impl Picture {
         let viewport = targets.viewport;
         let pixels = viewport.pixels();
         let unconverged = 2 * pixels;
-        let large = unconverged + pixels.div_ceil(WORD);
+        let evaluations = unconverged + pixels.div_ceil(WORD);
+        let large = evaluations + pixels;
         let words = 4 * (HEAD + large + exact.ranges.len()) as u64;
         let words = device.empty("the pixels", words)?;
         let wanted = MEETINGS_A_PIXEL * pixels as u64;
@@ -65,8 +67,9 @@ impl Picture {
             width: viewport.width() as u32,
             height: viewport.height() as u32,
             unconverged: unconverged as u32,
+            evaluations: evaluations as u32,
             large: (large + index) as u32,
-            padding: [0; 58],
+            padding: [0; 57],
         };
         let mut batches: Vec<_> = exact.ranges.iter().enumerate().map(batch).collect();
         if batches.is_empty() {
@@ -110,6 +113,15 @@ impl Picture {
         device.read_buffer("reading the unconverged pixels", &self.words, offset, bytes)?;
         let is_set = |pixel: &usize| words[pixel / WORD] >> (pixel % WORD) & 1 == 1;
         Ok((0..count).filter(is_set).map(|pixel| (pixel % width, pixel / width)).collect())
+    }
+
+    /// How often the surface was evaluated for each pixel, row-major.
+    pub(crate) fn evaluations(&self, device: &Device) -> Result<Vec<u32>, GpuError> {
+        let count = self.viewport.pixels();
+        let mut words = vec![0u32; count];
+        let offset = 4 * (HEAD + 2 * count + count.div_ceil(WORD)) as u64;
+        device.read_buffer("reading the evaluations", &self.words, offset, bytemuck::cast_slice_mut(&mut words))?;
+        Ok(words)
     }
 }
 
