@@ -100,6 +100,7 @@ impl Mutant {
             curvature: true,
             interpolated_normal: false,
             trimmed: true,
+            masked: false,
         }))
     }
 }
@@ -160,6 +161,7 @@ mod tests {
             curvature: true,
             interpolated_normal: false,
             trimmed: true,
+            masked: false,
         };
         for technique in pipeline::Technique::ALL {
             assert!(is_legal(&wgsl::source(variant(technique))));
