@@ -3,10 +3,6 @@
 
 const MAX_ORDER: u32 = 16u;
 
-override CURVES: u32;
-override WIDTH: f32;
-override HEIGHT: f32;
-
 struct MaskCurve {
     corner: vec2<f32>,
     origin: vec2<f32>,
@@ -16,8 +12,14 @@ struct MaskCurve {
     chords: u32,
 }
 
+struct Extent {
+    size: vec2<f32>,
+    curves: u32,
+}
+
 @group(0) @binding(0) var<storage, read> curves: array<MaskCurve>;
 @group(0) @binding(1) var<storage, read> control: array<vec4<f32>>;
+@group(0) @binding(2) var<uniform> extent: Extent;
 
 @vertex
 fn fan(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
@@ -28,8 +30,9 @@ fn fan(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
         let k = index / 3u - curve.first_chord + corner - 1u;
         at = curve_point(curve, f32(k) / f32(curve.chords));
     }
-    let texel = curve.corner + at;
-    return vec4<f32>(2.0 * texel.x / WIDTH - 1.0, 1.0 - 2.0 * texel.y / HEIGHT, 0.0, 1.0);
+    // Rows run downward.
+    let share = (curve.corner + at) / extent.size;
+    return vec4<f32>(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, 0.0, 1.0);
 }
 
 @fragment
@@ -40,7 +43,7 @@ fn toggle() -> @location(0) vec4<f32> {
 // The curve that a chord belongs to.
 fn curve_of(chord: u32) -> u32 {
     var low = 0u;
-    var high = CURVES;
+    var high = extent.curves;
     while (high - low > 1u) {
         let middle = (low + high) / 2u;
         if (chord < curves[middle].first_chord) {

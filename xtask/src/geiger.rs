@@ -9,7 +9,7 @@ use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use gbuffer::Picture;
 use glam::{DVec3, dvec2};
-use gpu::{Device, MaskAtlas, MaskBlend};
+use gpu::{Device, MaskBlend, MaskPainter};
 use nurbs::{KnotVector, Surface};
 use pipeline::mask::{MaskFill, MaskOptions, MaskPlan, MaskQuality, Trimming};
 use scene::{Camera, Face, Loop, Model, Projection, Trim, Viewport};
@@ -166,8 +166,9 @@ fn cost(model: &Model, device: Option<&Device>, [side, chords]: [u32; 2], args: 
         Ok(())
     })?;
     let gpu_ms = device.map(|device| {
+        let painter = MaskPainter::new(device, MaskBlend::Parity)?;
         median(&mut || {
-            black_box(MaskAtlas::new(device, &plan, MaskBlend::Parity)?);
+            black_box(painter.draw(device, &plan)?);
             Ok(())
         })
     });

@@ -1,8 +1,9 @@
 //! What is uploaded once: the packed scene and its proxy. Views and shading are written anew each frame.
 
-use crate::masks::{MaskAtlas, MaskBlend};
+use crate::masks::{MaskBlend, MaskPainter};
 use crate::{Device, GpuError};
 use gbuffer::ShadeUniform;
+use pipeline::mask::Masks;
 use pipeline::{Batch, PackedScene, Proxy, Vertex, View};
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -42,7 +43,8 @@ impl SceneBuffers {
         }
         let shading = <ShadeUniform as bytemuck::Zeroable>::zeroed();
         let shading = device.buffer("shading", BufferUsages::UNIFORM, bytemuck::bytes_of(&shading))?;
-        let atlas = scene.masks.as_ref().map(|masks| MaskAtlas::new(device, &masks.plan, blend)).transpose()?;
+        let draw = |masks: &Masks| MaskPainter::new(device, blend)?.draw(device, &masks.plan);
+        let atlas = scene.masks.as_ref().map(draw).transpose()?;
         let (layout, group) = device.guarded(UPLOADING, || {
             let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
             let read_only = buffer(wgpu::BufferBindingType::Storage { read_only: true });

@@ -18,6 +18,6 @@ mod readback;
 
 pub use device::{AdapterInfo, AdapterKind, Device, adapters};
 pub use error::{GpuError, SOFTWARE_DRIVER};
-pub use masks::{MaskAtlas, MaskBlend};
+pub use masks::{MaskAtlas, MaskBlend, MaskPainter};
 pub use pass::{DepthOrder, Overrides, Renderer, RendererOptions, Timing};
 pub use probe::{PROBE, probe};

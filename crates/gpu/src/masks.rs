@@ -7,10 +7,12 @@
 //! faces need rectangles to be cut to: a triangle with its corners in the box of a loop stays in it.
 
 use crate::{Device, GpuError};
+use bytemuck::{Pod, Zeroable};
 use pipeline::mask::MaskPlan;
 use pipeline::wgsl;
 use wgpu::{
-    BlendComponent, BlendFactor, BlendOperation, BufferBindingType, ShaderStages, TextureFormat, TextureUsages,
+    BlendComponent, BlendFactor, BlendOperation, BufferBindingType, BufferUsages, ShaderStages, TextureFormat,
+    TextureUsages,
 };
 
 const DRAWING: &str = "drawing the masks";
@@ -27,30 +29,52 @@ pub enum MaskBlend {
     Union,
 }
 
-/// Drawn masks.
+/// What draws masks; made once, it draws those of any plan.
 #[derive(Debug)]
-pub struct MaskAtlas {
-    texture: wgpu::Texture,
-    pub(crate) view: wgpu::TextureView,
-    size: [u32; 2],
+pub struct MaskPainter {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
 }
 
-impl MaskAtlas {
+/// `Extent` in `shaders/entry_mask.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Extent {
+    size: [f32; 2],
+    curves: u32,
+    padding: u32,
+}
+
+impl MaskPainter {
+    /// Compiles the program.
+    ///
+    /// # Errors
+    /// [`GpuError::Refused`], [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    pub fn new(device: &Device, blend: MaskBlend) -> Result<Self, GpuError> {
+        device.guarded("compiling a pipeline", || {
+            let layout = layout(device);
+            Self { pipeline: pipeline(device, &layout, blend), layout }
+        })
+    }
+
     /// Draws the masks of a plan, and waits until that is done.
     ///
     /// # Errors
     /// [`GpuError::Limit`] where the atlas does not fit the adapter; [`GpuError::OutOfMemory`], [`GpuError::Timeout`],
     /// [`GpuError::Lost`].
-    pub fn new(device: &Device, plan: &MaskPlan, blend: MaskBlend) -> Result<Self, GpuError> {
+    pub fn draw(&self, device: &Device, plan: &MaskPlan) -> Result<MaskAtlas, GpuError> {
         let side = u64::from(plan.size[0].max(plan.size[1]));
         let limit = u64::from(device.limits.max_texture_dimension_2d);
         device.fits("the atlas of masks", "max_texture_dimension_2d", side, limit)?;
-        let atlas = device.guarded(DRAWING, || Self::blank(device, plan.size))?;
-        let curves = device.storage("mask curves", bytemuck::cast_slice(&plan.curves))?;
-        let control = device.storage("control points of masks", bytemuck::cast_slice(&plan.control))?;
+        let atlas = device.guarded(DRAWING, || MaskAtlas::blank(device, plan.size))?;
+        let extent = Extent { size: plan.size.map(|side| side as f32), curves: plan.curves.len() as u32, padding: 0 };
+        let buffers = [
+            device.storage("mask curves", bytemuck::cast_slice(&plan.curves))?,
+            device.storage("control points of masks", bytemuck::cast_slice(&plan.control))?,
+            device.buffer("the atlas's extent", BufferUsages::UNIFORM, bytemuck::bytes_of(&extent))?,
+        ];
         let encoder = device.guarded(DRAWING, || {
-            let (pipeline, layout) = pipeline(device, plan, blend);
-            let group = device.group("masks", &layout, [&curves, &control]);
+            let group = device.group("masks", &self.layout, &buffers);
             let mut encoder = device.wgpu.create_command_encoder(&Default::default());
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("masks"),
@@ -65,7 +89,7 @@ impl MaskAtlas {
                 })],
                 ..Default::default()
             });
-            pass.set_pipeline(&pipeline);
+            pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3 * plan.chords(), 0..1);
             drop(pass);
@@ -75,7 +99,17 @@ impl MaskAtlas {
         device.wait(DRAWING, Some(submitted))?;
         Ok(atlas)
     }
+}
 
+/// Drawn masks.
+#[derive(Debug)]
+pub struct MaskAtlas {
+    texture: wgpu::Texture,
+    pub(crate) view: wgpu::TextureView,
+    size: [u32; 2],
+}
+
+impl MaskAtlas {
     /// The texels, row-major; 255 is material.
     ///
     /// # Errors
@@ -117,48 +151,44 @@ impl MaskAtlas {
     }
 }
 
-fn pipeline(device: &Device, plan: &MaskPlan, blend: MaskBlend) -> (wgpu::RenderPipeline, wgpu::BindGroupLayout) {
-    let entry = |binding| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: ShaderStages::VERTEX,
-        ty: wgpu::BindingType::Buffer {
-            ty: BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    };
-    let layout = device.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+fn layout(device: &Device) -> wgpu::BindGroupLayout {
+    let storage = BufferBindingType::Storage { read_only: true };
+    let entries: Vec<_> = (0..)
+        .zip([storage, storage, BufferBindingType::Uniform])
+        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: ShaderStages::VERTEX,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
+        })
+        .collect();
+    let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("masks"), entries: &entries };
+    device.wgpu.create_bind_group_layout(&descriptor)
+}
+
+fn pipeline(device: &Device, layout: &wgpu::BindGroupLayout, blend: MaskBlend) -> wgpu::RenderPipeline {
+    let layout = device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("masks"),
-        entries: &[entry(0), entry(1)],
-    });
-    let pipeline_layout = device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("masks"),
-        bind_group_layouts: &[Some(&layout)],
+        bind_group_layouts: &[Some(layout)],
         immediate_size: 0,
     });
     let module = device.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("masks"),
         source: wgpu::ShaderSource::Wgsl(wgsl::ENTRY_MASK.into()),
     });
-    let constants = &[
-        ("CURVES", plan.curves.len() as f64),
-        ("WIDTH", f64::from(plan.size[0])),
-        ("HEIGHT", f64::from(plan.size[1])),
-    ];
     let turn_over = BlendComponent {
         src_factor: BlendFactor::OneMinusDst,
         dst_factor: BlendFactor::Zero,
         operation: BlendOperation::Add,
     };
     let blend = (blend == MaskBlend::Parity).then_some(wgpu::BlendState { color: turn_over, alpha: turn_over });
-    let pipeline = device.wgpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    device.wgpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("masks"),
-        layout: Some(&pipeline_layout),
+        layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some("fan"),
-            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+            compilation_options: Default::default(),
             buffers: &[],
         },
         primitive: wgpu::PrimitiveState::default(),
@@ -176,6 +206,27 @@ fn pipeline(device: &Device, plan: &MaskPlan, blend: MaskBlend) -> (wgpu::Render
         }),
         multiview_mask: None,
         cache: None,
-    });
-    (pipeline, layout)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::TypeInner;
+    use pipeline::mask::MaskCurve;
+
+    #[test]
+    fn records_and_the_capacity_are_those_of_the_shader() {
+        let module = naga::front::wgsl::parse_str(wgsl::ENTRY_MASK).unwrap();
+        let size = |name: &str| {
+            let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap().1;
+            let TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
+            (*span as usize, members.last().unwrap().offset as usize)
+        };
+        assert_eq!(size("MaskCurve"), (size_of::<MaskCurve>(), std::mem::offset_of!(MaskCurve, chords)));
+        assert_eq!(size("Extent"), (size_of::<Extent>(), std::mem::offset_of!(Extent, curves)));
+        let (_, order) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some("MAX_ORDER")).unwrap();
+        let expected = naga::Expression::Literal(naga::Literal::U32(nurbs::MAX_ORDER as u32));
+        assert_eq!(module.global_expressions[order.init], expected);
+    }
 }

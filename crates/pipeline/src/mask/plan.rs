@@ -264,13 +264,17 @@ impl<'m> Wanted<'m> {
                 .iter()
                 .filter(|piece| piece.loop_index == index)
                 .map(|piece| {
+                    // A straight segment is its own chord, however fast its weights make it run.
+                    if piece.curve.degree() == 1 {
+                        return (piece.curve.clone(), 1.0);
+                    }
                     let bend = piece.curve.second_derivative_bounds() / 8.0;
                     let n = match quality {
                         // Half for u and half for v, which may be greatest on different curves.
                         MaskQuality::Error { .. } => (2.0 * (speed * bend).max_element() / allowed).sqrt().ceil(),
                         MaskQuality::Fixed { chords, .. } => f64::from(chords),
                     };
-                    let n = if piece.curve.degree() == 1 { 1.0 } else { n.clamp(1.0, GREATEST_CHORDS) };
+                    let n = n.clamp(1.0, GREATEST_CHORDS);
                     chord = chord.max(bend / (n * n));
                     (piece.curve.clone(), n)
                 })
