@@ -1,5 +1,7 @@
 //! `bench`: what each part costs, in one interleaved run, medians and ratios.
 
+mod trimming;
+
 use crate::compare::DrawingArgs;
 use crate::format::Format;
 use crate::stage::{Plan, Stage};
@@ -16,6 +18,7 @@ use scene::{Camera, Model, Projection, Ray, Viewport};
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::Instant;
+use trimming::Trimming;
 
 /// Kanai's Table 1: a model, cells a face so that the triangles are about his, his frames per second on a GeForce
 /// 7900 GTX in 2007.
@@ -146,6 +149,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
             Sample::new(format!("checking {what}"), "× the slower renderer", "≤ 3".to_owned())
         })
         .collect();
+    let mut trimming = Trimming::new(args.side)?;
     let bar = crate::terminal::progress("rounds", usize::from(args.rounds));
     for round in 0..args.rounds {
         evaluation[0].values.push(evaluate_f64(&rational, &points));
@@ -163,6 +167,8 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         for (((model, ..), technique), sample) in drawn.clone().zip(&mut checking) {
             sample.values.push(check(model, viewport, Plan { technique, ..args.drawing.plan() })?);
         }
+        let frames = usize::from(args.frames);
+        trimming.measure(device.as_ref(), args.drawing.plan(), viewport, frames, f64::from(round))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -171,6 +177,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         .chain(casting)
         .chain(drawing.into_iter().flatten())
         .chain(checking)
+        .chain(trimming.samples())
         .filter(|sample| !sample.values.is_empty())
         .map(Sample::figure)
         .collect();

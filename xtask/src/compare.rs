@@ -7,7 +7,6 @@ mod table;
 pub use saved::{Saved, SavedFile};
 
 use crate::format::Format;
-use crate::info::TRIM_NOTE;
 use crate::masks::{MaskReport, TrimArgs};
 use crate::stage::{Plan, ShadedReport, Stage};
 use crate::terminal;
@@ -176,7 +175,6 @@ struct Report<'a> {
     gpu_not_run: Option<&'a str>,
     /// Pixels that the ray caster could not decide.
     undecided: usize,
-    note: Option<&'static str>,
 }
 
 /// Runs the command.
@@ -232,7 +230,6 @@ fn rendered(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
         shaded,
         gpu_not_run: rendered.gpu.as_ref().err().map(String::as_str),
         undecided: rendered.raycast.undecided(),
-        note: model.is_trimmed().then_some(TRIM_NOTE),
     };
     let buffers: Vec<&GBuffer> = [Some(&rendered.raycast), Some(&rendered.raster)]
         .into_iter()

@@ -61,7 +61,8 @@ struct ModelInfo {
     faces: Vec<FaceInfo>,
     hull: [[f64; 3]; 2],
     bezier_patches: usize,
-    note: Option<&'static str>,
+    /// Absent where no face has loops.
+    trimming: Option<TrimmingInfo>,
 }
 
 /// Runs the command.
@@ -84,8 +85,43 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     Ok(())
 }
 
-/// What is said of a model with trim loops until renderers cut along them.
-pub const TRIM_NOTE: &str = "trim loops are read and kept, but not applied yet: untrimmed surfaces are drawn";
+/// The trimming of a model in a few numbers.
+#[derive(Serialize)]
+struct TrimmingInfo {
+    /// Faces with loops that cut something away.
+    trimmed_faces: usize,
+    trim_curves: usize,
+    /// The longest gap inside a loop that was closed, model units.
+    largest_gap_in_a_loop: f64,
+    shared_edges: usize,
+    /// Where the curves of a shared edge run farthest apart.
+    widest_edge: Option<EdgeInfo>,
+}
+
+#[derive(Serialize)]
+struct EdgeInfo {
+    edge: i64,
+    faces: Vec<u32>,
+    /// Model units.
+    gap: f64,
+}
+
+fn trimming(model: &Model) -> TrimmingInfo {
+    let regions = || (0..model.faces().len()).filter_map(|id| model.region(FaceId(id as u32)));
+    let edges = model.shared_edges();
+    let widest = edges.iter().max_by(|a, b| a.gap.total_cmp(&b.gap));
+    TrimmingInfo {
+        trimmed_faces: regions().filter(|region| !region.is_whole()).count(),
+        trim_curves: model.faces().iter().flat_map(|face| &face.loops).map(|boundary| boundary.trims.len()).sum(),
+        largest_gap_in_a_loop: regions().map(|region| region.largest_gap()).fold(0.0, f64::max),
+        shared_edges: edges.len(),
+        widest_edge: widest.map(|edge| EdgeInfo {
+            edge: edge.edge,
+            faces: edge.faces.iter().map(|face| face.0).collect(),
+            gap: edge.gap,
+        }),
+    }
+}
 
 fn describe(model: &Model) -> ModelInfo {
     let faces: Vec<FaceInfo> = (0..model.faces().len()).map(|id| face(model, id)).collect();
@@ -96,7 +132,7 @@ fn describe(model: &Model) -> ModelInfo {
         faces,
         hull: corners(model.hull()),
         bezier_patches,
-        note: model.is_trimmed().then_some(TRIM_NOTE),
+        trimming: model.is_trimmed().then(|| trimming(model)),
     }
 }
 
@@ -195,8 +231,21 @@ fn print(info: &ModelInfo) {
     if info.faces.len() > TABLE_ROWS {
         println!("… and {} more (--format json lists all)", info.faces.len() - TABLE_ROWS);
     }
-    if let Some(note) = info.note {
-        println!("note: {note}");
+    if let Some(t) = &info.trimming {
+        println!(
+            "{} trimmed faces, {} trim curves; largest gap closed in a loop {:.1e}",
+            t.trimmed_faces, t.trim_curves, t.largest_gap_in_a_loop
+        );
+        if let Some(widest) = &t.widest_edge {
+            let faces: Vec<String> = widest.faces.iter().map(u32::to_string).collect();
+            println!(
+                "{} shared edges; the curves of edge {}, faces {}, run farthest apart: {:.1e}",
+                t.shared_edges,
+                widest.edge,
+                faces.join(" and "),
+                widest.gap
+            );
+        }
     }
 }
 

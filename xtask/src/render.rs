@@ -1,7 +1,6 @@
 //! `render`: one renderer, one picture or G-buffer.
 
 use crate::compare::{DrawingArgs, Shade};
-use crate::info::TRIM_NOTE;
 use crate::masks::MaskReport;
 use crate::stage::Stage;
 use crate::terminal;
@@ -74,9 +73,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
             Caster::new(&model).render(&camera, viewport, &|rows| bar.inc(rows as u64))
         }
     };
-    if model.is_trimmed() {
-        eprintln!("note: {TRIM_NOTE}");
-    }
     if let Some(path) = &args.gbuffer {
         buffer.write_npz(path)?;
     }

@@ -1,7 +1,7 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
 use crate::judge::{Difference, Judge};
-use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares};
+use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares, trim};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 
@@ -116,7 +116,16 @@ impl Pair<'_, '_> {
             |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack || self.is_cut_nearby(&q, occluder));
         let own = picture.filter(|_| self.exact).is_some_and(|p| behind(self.sampler.first(p.x, p.y)));
         let bound = bound_px.max(self.bound_at(occluder));
-        if own || self.near_border(occluder, center, bound) || self.around(center, bound, Some(occluder)).any(behind) {
+        // Beyond the edge of its triangle a point may fall behind the next one of its face by as much as both are off.
+        let behind_own_face = || {
+            let chords = 2.0 * self.deviation.edge_chord[face];
+            !self.exact && occluder.face == candidate.face && candidate.t - occluder.t <= slack + chords
+        };
+        if own
+            || self.near_border(occluder, center, bound)
+            || self.around(center, bound, Some(occluder)).any(behind)
+            || behind_own_face()
+        {
             return Ok(agreement);
         }
         let detail =
@@ -264,13 +273,21 @@ impl Pair<'_, '_> {
         offsets.map(move |offset| center + radius * offset)
     }
 
-    /// Whether a border of the hit's face passes within `radius` pixels of a position, or the near plane cuts it there.
+    /// Whether a border of the hit's face, natural or trimmed, passes within `radius` pixels of a position, or the near
+    /// plane cuts it there.
     fn near_border(&self, hit: &Hit, center: DVec2, radius: f64) -> bool {
         let beyond_near = self.judge.camera.depth(hit.position) - self.judge.camera.near();
         if beyond_near <= self.deviation.model_units(hit.face.0 as usize) {
             return true;
         }
         let surface = self.judge.model.surface(hit.face);
+        if let Some(region) = self.judge.trimmed_region(hit.face) {
+            let distance = |uv: DVec2| {
+                let seen = self.judge.picture(surface.point(uv.x, uv.y));
+                seen.map_or(f64::INFINITY, |p| p.distance(center))
+            };
+            return trim::edge_passes(region, distance, radius);
+        }
         let [[u0, u1], [v0, v1]] = surface.domain();
         let DVec2 { x: u, y: v } = hit.uv;
         [(u0, v), (u1, v), (u, v0), (u, v1)].into_iter().any(|(s, t)| {

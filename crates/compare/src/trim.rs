@@ -35,6 +35,40 @@ pub(crate) fn place(region: &Region, uv: DVec2, band: DVec2) -> Place {
     if winding != 0 { Place::Material } else { Place::Cut }
 }
 
+/// Places on a piece at which its distance is taken before the nearest are looked at closely.
+const SAMPLES: usize = 32;
+
+/// Thirds of the way between such places that are cut off, one after the other.
+const SECTIONS: u32 = 40;
+
+/// Whether an edge of the region comes within `radius` of what `distance` measures from.
+pub(crate) fn edge_passes(region: &Region, distance: impl Fn(DVec2) -> f64, radius: f64) -> bool {
+    region.pieces().iter().any(|piece| {
+        let at = |t: f64| distance(piece.curve.point(t));
+        let places: Vec<f64> = (0..=SAMPLES).map(|i| at(i as f64 / SAMPLES as f64)).collect();
+        // About each place that is nearer than its neighbours, by ternary search.
+        (0..=SAMPLES).any(|i| {
+            let [before, after] = [i.saturating_sub(1), (i + 1).min(SAMPLES)];
+            if places[i] > places[before] || places[i] > places[after] {
+                return false;
+            }
+            let [mut low, mut high] = [before, after].map(|i| i as f64 / SAMPLES as f64);
+            let mut nearest = places[i];
+            for _ in 0..SECTIONS {
+                if nearest <= radius {
+                    return true;
+                }
+                let third = (high - low) / 3.0;
+                let [a, b] = [low + third, high - third];
+                let [at_a, at_b] = [at(a), at(b)];
+                nearest = nearest.min(at_a).min(at_b);
+                if at_a < at_b { high = b } else { low = a }
+            }
+            nearest <= radius
+        })
+    })
+}
+
 /// Whether a monotone piece whose box meets the rectangle passes through it: by what it spans in u while it is as high.
 fn passes(curve: &BezierCurve, uv: DVec2, band: DVec2) -> bool {
     let [a, b] = [uv.y - band.y, uv.y + band.y].map(|v| at_height(curve, v).x);

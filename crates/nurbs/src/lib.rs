@@ -16,6 +16,8 @@ mod differential;
 mod error;
 mod knots;
 mod monotone;
+mod project;
+mod space_curve;
 mod surface;
 
 pub use basis::basis_derivatives;
@@ -27,6 +29,8 @@ pub use degree::Reduced;
 pub use differential::{Curvature, Normal, NormalStatus, SurfacePoint};
 pub use error::NurbsError;
 pub use knots::KnotVector;
+pub use project::{Projection, Projector};
+pub use space_curve::SpaceCurve;
 pub use surface::{Direction, FirstDerivatives, SecondDerivatives, Surface};
 
 /// The highest degree, in either direction. Fixed arrays of the evaluators have this plus one entries.

@@ -235,8 +235,8 @@ mod tests {
             for pair in pieces.windows(2) {
                 prop_assert_eq!(pair[0].end(), pair[1].start());
             }
-            // The pieces sweep the area of the curve, and each of its points lies on one of them: a piece, monotone,
-            // is found by bisection along the longer side.
+            // The pieces sweep the area of the curve, and each of its points lies on one of them, found by
+            // bisection as pieces are monotone.
             let middle = curve.hull().min.midpoint(curve.hull().max);
             let area: f64 = pieces.iter().map(|p| p.area(middle)).sum();
             prop_assert!((area - curve.area(middle)).abs() <= 1e-12 + 8.0 * allowed);
@@ -249,15 +249,17 @@ mod tests {
     }
 
     fn distance_to_monotone(piece: &BezierCurve, point: DVec2) -> f64 {
-        let extent = (piece.end() - piece.start()).abs();
-        let axis = usize::from(extent.x < extent.y);
-        let rises = piece.start()[axis] < piece.end()[axis];
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            if (piece.point(middle)[axis] < point[axis]) == rises { low = middle } else { high = middle }
-        }
-        [0.0, low, 1.0].into_iter().map(|t| piece.point(t).distance(point)).fold(f64::INFINITY, f64::min)
+        // By either coordinate: where one turns, its rounding is the root of itself along the curve.
+        let at = |axis: usize| {
+            let rises = piece.start()[axis] < piece.end()[axis];
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..BISECTIONS {
+                let middle = 0.5 * (low + high);
+                if (piece.point(middle)[axis] < point[axis]) == rises { low = middle } else { high = middle }
+            }
+            low
+        };
+        [0.0, at(0), at(1), 1.0].into_iter().map(|t| piece.point(t).distance(point)).fold(f64::INFINITY, f64::min)
     }
 
     #[test]

@@ -168,7 +168,13 @@ fn winding_about_origin(control: &[DVec3], rounding: f64, halvings: u32) -> i32 
     let origin = along.perp_dot(-start);
     let offsets = control.iter().map(|c| along.perp_dot(c.truncate() / c.z - start));
     let (low, high) = offsets.fold((0.0f64, 0.0f64), |(low, high), d| (low.min(d), high.max(d)));
-    if origin < low - rounding || high + rounding < origin || halvings == 0 || high - low <= rounding {
+    // A segment that ends where it begins has no chord to be near to: it is a point or must be halved.
+    let is_thin = if start == end {
+        control.iter().all(|c| (c.truncate() / c.z).distance(start) <= rounding)
+    } else {
+        high - low <= rounding
+    };
+    if origin < low - rounding || high + rounding < origin || halvings == 0 || is_thin {
         let crosses_up = start.y <= 0.0 && 0.0 < end.y && 0.0 < origin;
         let crosses_down = end.y <= 0.0 && 0.0 < start.y && origin < 0.0;
         return i32::from(crosses_up) - i32::from(crosses_down);

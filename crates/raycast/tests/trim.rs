@@ -89,6 +89,23 @@ fn a_plate_of_holes_is_told_to_the_last_bits_of_its_circles() {
 }
 
 #[test]
+fn a_segment_that_closes_on_itself_winds_about_what_is_in_it() {
+    // The full circle as one rational quintic (Chou 1995).
+    let points = [(0.0, -1.0), (4.0, -1.0), (2.0, 3.0), (-2.0, 3.0), (-4.0, -1.0), (0.0, -1.0)];
+    let points = points.map(|(x, y)| DVec2::splat(5.0) + 2.0 * DVec2::new(x, y)).to_vec();
+    let region = region(&plane(10.0), vec![closed(true, 5, points, vec![5.0, 1.0, 1.0, 1.0, 1.0, 5.0])]);
+    assert!((region.area() - 4.0 * PI).abs() < 1e-12);
+    let classifier = Classifier::new(&region);
+    for k in 0..2000 {
+        let point = DVec2::new(f64::from(k % 50) + 0.3, f64::from(k / 40) + 0.7) / 5.0;
+        let away = point.distance(DVec2::splat(5.0));
+        let side = classifier.side(point, DVec2::ONE);
+        assert_eq!(side.inside, away < 2.0, "{point}");
+        assert!((0.98 * (away - 2.0).abs()..=(away - 2.0).abs() + 1e-14).contains(&side.distance), "{point}");
+    }
+}
+
+#[test]
 fn distances_are_in_the_metric_that_is_asked_for() {
     let classifier = Classifier::new(&region(&plane(10.0), vec![circle(true, DVec2::splat(5.0), 2.0)]));
     let side = classifier.side(DVec2::new(5.0, 6.5), DVec2::new(100.0, 3.0));

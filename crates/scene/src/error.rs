@@ -95,6 +95,23 @@ pub enum SceneError {
         /// Where, in the surface's parameters.
         at: [f64; 2],
     },
+    /// A point of a profile is not on the surface.
+    #[error(
+        "profile {profile}, curve {curve}: the point at parameter {t} is {distance:.3e} model units from the surface, \
+         above {tolerance:.3e}"
+    )]
+    ProfilePoint {
+        /// Index of the profile.
+        profile: usize,
+        /// Index of the curve in the profile.
+        curve: usize,
+        /// The curve's parameter.
+        t: f64,
+        /// Distance of the nearest surface point found, model units.
+        distance: f64,
+        /// The distance asked for.
+        tolerance: f64,
+    },
     /// Width or height is zero or above [`MAX_SIDE`], or there are more than [`MAX_PIXELS`] pixels.
     #[error(
         "a viewport of {width}x{height} pixels: each side must be 1 to {MAX_SIDE}, and both at most {MAX_PIXELS} pixels"

@@ -1,15 +1,19 @@
 //! What is drawn, and from where: faces and their trimmed regions, models, cameras and viewports, all in f64.
 
 mod camera;
+mod edges;
 mod error;
 mod face;
 mod model;
+mod profile;
 mod region;
 mod viewport;
 
 pub use camera::{Camera, Projection, Ray};
+pub use edges::SharedEdge;
 pub use error::{SceneError, TrimPlace};
 pub use face::{Face, FaceId, Loop, Trim};
 pub use model::Model;
+pub use profile::{Profile, loops_from_profiles};
 pub use region::{ClosedLoop, Piece, Region, Repairs, Segment};
 pub use viewport::{MAX_PIXELS, MAX_SIDE, Viewport};

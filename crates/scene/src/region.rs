@@ -221,6 +221,17 @@ impl<'a> Frame<'a> {
         })
     }
 
+    /// Whether the surface has no border across `axis`: it is closed, or both its sides are points.
+    fn is_unbounded(&self, axis: usize) -> bool {
+        let Rectangle { min, max } = self.domain;
+        let is_point = |at: f64| {
+            let (mut a, mut b) = (min, max);
+            (a[axis], b[axis]) = (at, at);
+            self.distance(a, b) <= self.tolerance
+        };
+        self.is_closed(axis) || (is_point(min[axis]) && is_point(max[axis]))
+    }
+
     /// The length in space of the straight segment from `a` to `b` in parameters, by chords.
     fn distance(&self, a: DVec2, b: DVec2) -> f64 {
         const CHORDS: usize = 8;

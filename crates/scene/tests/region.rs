@@ -251,6 +251,50 @@ fn rings_around_a_closed_surface_bound_the_band_between_them() {
     }
 }
 
+/// A torus, closed in u and in v (both 0 to 4).
+fn torus() -> Surface {
+    let around = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
+    let (mut points, mut weights) = (vec![], vec![]);
+    for (i, (x, y)) in around.into_iter().enumerate() {
+        for (j, (r, z)) in around.into_iter().enumerate() {
+            let radius = 3.0 + f64::from(r);
+            points.push(DVec3::new(f64::from(x) * radius, f64::from(y) * radius, f64::from(z)));
+            weights.push(HALF_SQRT.powi((i % 2 + j % 2) as i32));
+        }
+    }
+    let turn = knots(2, &[0.0, 1.0, 2.0, 3.0, 4.0]);
+    Surface::new(turn.clone(), turn, points, Some(weights)).unwrap()
+}
+
+#[test]
+fn rings_of_a_torus_bound_a_band_in_either_direction_and_across_the_other_seam() {
+    for shift in [0.0, 1.95, 3.98, -4.03] {
+        let rings = [ring(0.5, 0.5 + shift, true), ring(0.5, 1.5 + shift, false)];
+        let exchanged = rings.clone().map(|mut ring| {
+            ring.trims.iter_mut().flat_map(|t| &mut t.points).for_each(|p| *p = DVec2::new(p.y, p.x));
+            backwards(ring)
+        });
+        for (loops, turned) in [(rings, false), (exchanged, true)] {
+            let band = build(&torus(), loops.to_vec()).unwrap();
+            assert!((band.area() - 4.0).abs() < 1e-12, "{shift}: {}", band.area());
+            let at = |across: f64| {
+                let (a, b) = (2.2, across.rem_euclid(4.0));
+                if turned { material(&band, b, a) } else { material(&band, a, b) }
+            };
+            assert!(at(1.0 + shift) && !at(2.0 + shift) && !at(0.2 + shift), "{shift} {turned}");
+            assert!(band.repairs().reoriented.is_empty());
+        }
+    }
+}
+
+#[test]
+fn the_direction_of_a_lone_loop_says_which_side_of_a_closed_surface_is_meant() {
+    let region = build(&torus(), vec![circle(true, (4.0, 2.0), 0.5)]).unwrap();
+    assert!((region.area() - PI / 4.0).abs() < 1e-11 && material(&region, 0.1, 2.0));
+    let region = build(&torus(), vec![backwards(circle(true, (4.0, 2.0), 0.5))]).unwrap();
+    assert!((region.area() - (16.0 - PI / 4.0)).abs() < 1e-11 && !material(&region, 0.1, 2.0));
+}
+
 #[test]
 fn a_cap_over_the_pole_needs_no_edge_along_it() {
     // A wedge of the dome: from the rim up to the pole, where u jumps from 1 to 3.5, and down again.

@@ -4,7 +4,6 @@
 //! is the caller's to say, so a file cannot excuse itself.
 
 use super::{CompareArgs, answer, pictures::Pictures, table};
-use crate::info::TRIM_NOTE;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
@@ -265,7 +264,6 @@ struct Report<'a> {
     pairs: &'a [PairReport],
     /// Pixels that the ray caster could not decide.
     undecided: usize,
-    note: Option<&'static str>,
 }
 
 #[derive(Serialize)]
@@ -299,7 +297,6 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
         chord_px: plan.chord_px,
         pairs: &pairs,
         undecided: reference.map_or(0, |buffer| buffer.undecided()),
-        note: saved.model.is_trimmed().then_some(TRIM_NOTE),
     };
     let pictures = Pictures::new(&saved.model, &saved.camera, &buffers, &args.shade.shading())?;
     answer(args, &report, &pictures, || print(&report))?;
@@ -331,8 +328,5 @@ fn print(report: &Report) {
     table::pairs(report.pairs);
     if report.undecided > 0 {
         println!("the ray caster left {} pixels undecided", report.undecided);
-    }
-    if let Some(note) = report.note {
-        println!("note: {note}");
     }
 }

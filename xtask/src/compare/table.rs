@@ -30,7 +30,7 @@ pub(super) fn print(report: &Report) {
     if report.undecided > 0 {
         println!("the ray caster left {} pixels undecided", report.undecided);
     }
-    for note in report.note.into_iter().chain(report.masks.as_ref().and_then(|masks| masks.note.as_deref())) {
+    if let Some(note) = report.masks.as_ref().and_then(|masks| masks.note.as_deref()) {
         println!("note: {note}");
     }
 }

@@ -66,7 +66,7 @@ pub(super) fn place(
 fn is_cut_from_whole(frame: &Frame, chains: &[Chain], contours: &[Contour]) -> bool {
     let clockwise = contours.iter().all(|c| c.area < 0.0);
     let holes = chains.iter().all(|c| !c.outer);
-    clockwise && (holes || frame.is_closed(0) && frame.is_closed(1))
+    clockwise && (holes || frame.is_unbounded(0) && frame.is_unbounded(1))
 }
 
 /// A loop with what is needed to say whether a point lies in it.

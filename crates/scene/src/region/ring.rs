@@ -23,72 +23,84 @@ pub(super) fn close(frame: &Frame, rings: &[Chain], repairs: &mut Repairs) -> Re
             return Err(SceneError::LoopPeriod { face: frame.face, boundary: ring.source, u, v });
         }
     }
-    let mut closed: Vec<(f64, bool, &Chain, Vec<Segment>)> = rings
-        .iter()
-        .map(|ring| {
-            let segments = unrolled(frame, ring, axis);
-            let loops_area = signed_area(&segments);
-            (height(frame, ring, axis), 0.0 < loops_area, ring, segments)
-        })
-        .collect();
-    closed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut closed: Vec<Unrolled> = vec![];
+    for ring in rings {
+        closed.extend(offsets_across(frame, ring, 1 - axis).map(|across| Unrolled::new(frame, ring, axis, across)));
+    }
+    closed.sort_by(|a, b| a.height.total_cmp(&b.height));
     let mut loops = vec![];
     // A clockwise closure takes away what is above it: then material lies below the lowest ring.
-    let mut material = !closed[0].1;
+    let mut material = !closed[0].is_above;
     if material {
         loops.push(ClosedLoop { segments: frame.boundary(), depth: 0, source: None });
     }
-    for (_, rises, ring, mut segments) in closed {
-        if rises == material {
+    for Unrolled { ring, is_above, mut segments, .. } in closed {
+        if is_above == material {
             segments = segments.iter().rev().map(Segment::reversed).collect();
             repairs.reoriented.push(ring.source);
         }
         loops.push(ClosedLoop { segments, depth: usize::from(material), source: Some(ring.source) });
         material = !material;
     }
+    repairs.reoriented.dedup();
     Ok(loops)
 }
 
-/// Where the ring stands in the direction across it: the middle of its box, moved into the domain.
-fn height(frame: &Frame, ring: &Chain, axis: usize) -> f64 {
-    let across = 1 - axis;
-    0.5 * (ring.hull.min[across] + ring.hull.max[across]) - into_domain(frame, ring, across)
+/// The moves by whole periods, in the direction across it, at which a ring reaches into the domain.
+///
+/// One, unless the surface is closed that way too and the ring crosses that seam.
+fn offsets_across(frame: &Frame, ring: &Chain, across: usize) -> impl Iterator<Item = f64> {
+    let (period, min, max) = (frame.domain.size()[across], frame.domain.min[across], frame.domain.max[across]);
+    let (low, high) = (ring.hull.min[across], ring.hull.max[across]);
+    let is_inside = min <= low && high <= max;
+    let is_repeated = !is_inside && frame.is_closed(across);
+    let base = if is_repeated { -((0.5 * (low + high) - min) / period).floor() } else { 0.0 };
+    let copies = if is_repeated { -1..=1 } else { 0..=0 };
+    let offset = move |copy: i32| (base + f64::from(copy)) * period;
+    copies.map(offset).filter(move |offset| !is_repeated || (min < high + offset && low + offset < max))
 }
 
-/// The whole periods, in parameters, by which a ring's box is off the domain in the direction across it.
-fn into_domain(frame: &Frame, ring: &Chain, across: usize) -> f64 {
-    let middle = 0.5 * (ring.hull.min[across] + ring.hull.max[across]);
-    let period = frame.domain.size()[across];
-    ((middle - frame.domain.min[across]) / period).floor() * period * f64::from(u8::from(frame.is_closed(across)))
+/// A ring as a closed loop.
+struct Unrolled<'a> {
+    ring: &'a Chain,
+    segments: Vec<Segment>,
+    /// Its mean position in the direction across it: of rings that do not cross, the order.
+    height: f64,
+    /// Whether it runs so that material is on the far side of it.
+    is_above: bool,
 }
 
-/// Copies of the ring from before the domain to behind it, closed beyond its far border.
-fn unrolled(frame: &Frame, ring: &Chain, axis: usize) -> Vec<Segment> {
-    let across = 1 - axis;
-    let period = frame.domain.size()[axis];
-    let direction = f64::from(ring.periods[axis]);
-    let start = ring.segments[0].curve.start();
-    let mut base = DVec2::ZERO;
-    base[axis] = -((start[axis] - frame.domain.min[axis]) / period).floor() * period;
-    base[across] = -into_domain(frame, ring, across);
-    let mut segments: Vec<Segment> = vec![];
-    for copy in -COPIES..=COPIES {
-        let mut offset = base;
-        offset[axis] += direction * f64::from(copy) * period;
-        for segment in &ring.segments {
-            let mut moved = segment.translated(offset);
-            if let Some(last) = segments.last().map(|s| s.curve.end()) {
-                let end = moved.curve.end();
-                moved.curve.set_ends(last, end);
+impl<'a> Unrolled<'a> {
+    /// Copies of the ring from before the domain to behind it, moved by `offset` across, closed beyond its far border.
+    fn new(frame: &Frame, ring: &'a Chain, axis: usize, offset: f64) -> Self {
+        let across = 1 - axis;
+        let period = frame.domain.size()[axis];
+        let direction = f64::from(ring.periods[axis]);
+        let start = ring.segments[0].curve.start();
+        let mut base = DVec2::ZERO;
+        base[axis] = -((start[axis] - frame.domain.min[axis]) / period).floor() * period;
+        base[across] = offset;
+        let mut segments: Vec<Segment> = vec![];
+        for copy in -COPIES..=COPIES {
+            let mut moved_by = base;
+            moved_by[axis] += direction * f64::from(copy) * period;
+            for segment in &ring.segments {
+                let mut moved = segment.translated(moved_by);
+                if let Some(last) = segments.last().map(|s| s.curve.end()) {
+                    let end = moved.curve.end();
+                    moved.curve.set_ends(last, end);
+                }
+                segments.push(moved);
             }
-            segments.push(moved);
         }
+        let (from, to) = (segments[0].curve.start(), segments[segments.len() - 1].curve.end());
+        let beyond = frame.domain.max[across].max(ring.hull.max[across] + offset) + frame.domain.size()[across];
+        let (mut corner, mut other) = (to, from);
+        corner[across] = beyond;
+        other[across] = beyond;
+        segments.extend([Segment::line(to, corner), Segment::line(corner, other), Segment::line(other, from)]);
+        let area = signed_area(&segments);
+        let height = beyond - area.abs() / (period * f64::from(2 * COPIES + 1));
+        Self { ring, segments, height, is_above: 0.0 < area }
     }
-    let (from, to) = (segments[0].curve.start(), segments[segments.len() - 1].curve.end());
-    let beyond = frame.domain.max[across].max(ring.hull.max[across] + base[across]) + frame.domain.size()[across];
-    let (mut corner, mut other) = (to, from);
-    corner[across] = beyond;
-    other[across] = beyond;
-    segments.extend([Segment::line(to, corner), Segment::line(corner, other), Segment::line(other, from)]);
-    segments
 }

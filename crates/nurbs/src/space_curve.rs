@@ -1,0 +1,57 @@
+//! NURBS curves in space: the profiles that Wildcat trims surfaces with.
+
+use crate::blossom::blossom;
+use crate::surface::{check_weights, usable};
+use crate::{KnotVector, MAX_DEGREE, NurbsError};
+use glam::{DVec3, DVec4};
+
+/// A NURBS curve of degree p over n control points in model units. Its knots need not be clamped.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpaceCurve {
+    knots: KnotVector,
+    homogeneous: Vec<DVec4>,
+}
+
+impl SpaceCurve {
+    /// Builds a curve from Euclidean points and, where it is rational, their weights.
+    ///
+    /// # Errors
+    /// [`NurbsError::PointCount`], [`NurbsError::PointNotFinite`], [`NurbsError::WeightCount`], [`NurbsError::Weight`].
+    pub fn new(knots: KnotVector, points: &[DVec3], weights: Option<&[f64]>) -> Result<Self, NurbsError> {
+        let expected = knots.control_count();
+        if points.len() != expected {
+            return Err(NurbsError::PointCount { expected, found: points.len() });
+        }
+        let coordinates = points.iter().enumerate().flat_map(|(i, p)| p.to_array().map(|x| (i, x)));
+        if let Some((index, value)) = coordinates.into_iter().find(|(_, x)| !usable(*x)) {
+            return Err(NurbsError::PointNotFinite { index, value });
+        }
+        if let Some(weights) = weights {
+            check_weights(weights, expected)?;
+        }
+        let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
+        let homogeneous = points.iter().enumerate().map(|(i, p)| (*p * weight(i)).extend(weight(i))).collect();
+        Ok(Self { knots, homogeneous })
+    }
+
+    /// Knots and degree.
+    pub fn knots(&self) -> &KnotVector {
+        &self.knots
+    }
+
+    /// C(t) and C'(t), on the span that `t` is in; within 4 p ulp of the largest control point, times the weights' ratio.
+    pub fn first_derivative(&self, t: f64) -> [DVec3; 2] {
+        let (p, span, u) = (self.knots.degree(), self.knots.find_span(t), self.knots.knots());
+        let (a, b) = (u[span], u[span + 1]);
+        let local = &self.homogeneous[span - p..=span];
+        let mut arguments = [t; MAX_DEGREE];
+        let mut at = |last: f64| {
+            arguments[p - 1] = last;
+            blossom(&self.knots, span, local, &arguments[..p])
+        };
+        // The derivative of a blossom in its last argument is constant (Ramshaw 1989).
+        let (c, c_t) = (at(t), (at(b) - at(a)) * (p as f64 / (b - a)));
+        let point = c.truncate() / c.w;
+        [point, (c_t.truncate() - point * c_t.w) / c.w]
+    }
+}
