@@ -5,9 +5,10 @@ use crate::Technique;
 use crate::layout::{PieceRecord, Vertex};
 use crate::pack::{PackedScene, Program};
 use crate::pieces::{HULL_TRIANGLES, pieces_of};
+use glam::DVec2;
 use nurbs::{DerivativeBounds, Direction, Hull, Surface};
 use rayon::prelude::*;
-use scene::{Camera, FaceId, Model, Viewport};
+use scene::{Camera, FaceId, Model, Region, Viewport};
 
 /// Chord error in pixels to which a proxy is built unless another is asked for.
 pub const DEFAULT_CHORD_PX: f64 = 0.25;
@@ -174,7 +175,12 @@ impl Proxy {
             .enumerate()
             .map(|(id, face)| {
                 let patches = model.surfaces()[face.surface].bezier_patches();
-                pieces_of(scene, id, &patches, model_units_a_pixel)
+                let mut pieces = pieces_of(scene, id, &patches, model_units_a_pixel);
+                if let Some(region) = model.region(FaceId(id as u32)) {
+                    pieces
+                        .retain(|piece| may_have_material(region, scene.frames[id].edge_band, piece.record.rectangle));
+                }
+                pieces
             })
             .collect();
         let count: usize = of_faces.iter().map(Vec::len).sum();
@@ -211,6 +217,14 @@ impl Proxy {
     pub fn triangles(&self) -> usize {
         self.indices.len() / 3
     }
+}
+
+/// Whether a rectangle of local parameters meets the box of a region, grown by what f32 may mistake.
+fn may_have_material(region: &Region, band: DVec2, [u0, v0, u1, v1]: [f32; 4]) -> bool {
+    let (domain, hull) = (region.domain(), region.hull());
+    let [low, high] = [hull.min - domain.min, hull.max - domain.min].map(|corner| corner / domain.size());
+    let [from, to] = [[u0, v0], [u1, v1]].map(|uv| DVec2::from_array(uv.map(f64::from)));
+    from.cmple(high + band).all() && to.cmpge(low - band).all()
 }
 
 /// Faces grouped by their programs.

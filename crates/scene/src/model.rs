@@ -1,7 +1,7 @@
 //! A model: surfaces and the faces that use them.
 
 use crate::{Face, FaceId, Region, SceneError};
-use nurbs::{Hull, Surface};
+use nurbs::{BezierPatch, Hull, Surface};
 
 /// A named set of faces over surfaces; never empty, and every face's surface exists.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,10 +27,10 @@ impl Model {
             return Err(SceneError::NoSuchSurface { face, surface: faces[face].surface, count });
         }
         let region = |(index, face): (usize, &Face)| Region::new(index, face, &surfaces[face.surface]);
-        let regions = faces.iter().enumerate().map(region).collect::<Result<_, _>>()?;
-        let pieces = |face: &Face| surfaces[face.surface].bezier_patches();
-        let hull = faces.iter().flat_map(pieces).map(|patch| patch.hull()).reduce(Hull::union);
-        let hull = hull.expect("a model has faces, and a face has a span");
+        let regions: Vec<Option<Region>> = faces.iter().enumerate().map(region).collect::<Result<_, _>>()?;
+        let hull = faces.iter().zip(&regions).flat_map(|(face, region)| seen(&surfaces[face.surface], region.as_ref()));
+        let hull =
+            hull.map(|patch| patch.hull()).reduce(Hull::union).expect("a face has a span, and a region is in one");
         Ok(Self { name: name.into(), surfaces, faces, regions, hull })
     }
 
@@ -79,7 +79,8 @@ impl Model {
         self.faces.iter().any(|f| !f.loops.is_empty())
     }
 
-    /// A box that holds all faces: the hull of their Bézier pieces, tighter than that of their control points.
+    /// A box that holds all faces: the hull of their Bézier pieces in the boxes of their regions, tighter than that of
+    /// their control points.
     pub fn hull(&self) -> Hull {
         self.hull
     }
@@ -118,4 +119,31 @@ impl Model {
         }
         format!("{hash:016x}")
     }
+}
+
+/// The Bézier pieces of a surface, cut at the box of a region.
+fn seen(surface: &Surface, region: Option<&Region>) -> Vec<BezierPatch> {
+    let patches = surface.bezier_patches();
+    let Some(hull) = region.map(Region::hull) else { return patches };
+    let inside = |patch: &BezierPatch| {
+        let [[u0, u1], [v0, v1]] = patch.domain;
+        u0 <= hull.max.x && hull.min.x <= u1 && v0 <= hull.max.y && hull.min.y <= v1
+    };
+    let within = |[low, high]: [f64; 2], t: f64| low < t && t < high;
+    let cut = |mut patch: BezierPatch| {
+        if within(patch.domain[0], hull.min.x) {
+            patch = patch.split_u(hull.min.x)[1].clone();
+        }
+        if within(patch.domain[0], hull.max.x) {
+            patch = patch.split_u(hull.max.x)[0].clone();
+        }
+        if within(patch.domain[1], hull.min.y) {
+            patch = patch.split_v(hull.min.y)[1].clone();
+        }
+        if within(patch.domain[1], hull.max.y) {
+            patch = patch.split_v(hull.max.y)[0].clone();
+        }
+        patch
+    };
+    patches.into_iter().filter(inside).map(cut).collect()
 }
