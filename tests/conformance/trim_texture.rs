@@ -227,20 +227,18 @@ fn a_loop_left_out_a_wrong_fan_and_a_union_for_parity_are_found_and_named() {
         };
         judged(&healthy, Overrides { mask: MaskBlend::Union, ..Overrides::default() }, "union");
         let plan = &healthy.scene.masks.as_ref().expect("masked").plan;
-        let faults: [(&str, fn(&mut MaskPlan)); 2] =
-            [("a loop left out", |plan| without_ring(plan, 0, 1)), ("wrong origins", with_wrong_origins)];
-        for (what, fault) in faults {
-            let mut plan = plan.clone();
-            fault(&mut plan);
+        let faulty = |plan: &MaskPlan| {
             let mut stage = staged(&model, Technique::Fragment, MaskOptions::default());
-            stage.scene.masks = Some(Masks::new(plan, MaskFill::EvenOdd));
-            judged(&stage, Overrides::default(), what);
-        }
-        // The CPU's loops left out.
-        let mut stage = staged(&model, Technique::Fragment, MaskOptions::default());
-        let mut plan = plan.clone();
-        without_ring(&mut plan, 0, 1);
-        stage.scene.masks = Some(Masks::new(plan, MaskFill::EvenOdd));
+            stage.scene.masks = Some(Masks::new(plan.clone(), MaskFill::EvenOdd));
+            stage
+        };
+        let [mut without, mut turned] = [plan.clone(), plan.clone()];
+        without_ring(&mut without, 0, 1);
+        with_wrong_origins(&mut turned);
+        judged(&faulty(&without), Overrides::default(), "a loop left out");
+        judged(&faulty(&turned), Overrides::default(), "wrong origins");
+        // The CPU fills from no origin; it can only leave out a loop.
+        let stage = faulty(&without);
         let pair = healthy.against_raycast(&caster, &raycast, &stage.raster()).expect("comparable");
         assert!(pair.causes[&Cause::Trim] > 0, "{name}: {:?}", pair.causes);
     }
