@@ -51,3 +51,30 @@ fn a_root_beyond_the_fold_hides_those_that_the_first_searches_find() {
         assert!(face == first.face.0 as usize && off[0].max(off[1]) < 1e-3, "{name} ({x}, {y}): {uv:?}, not {local:?}");
     }
 }
+
+/// The kernels and the program in Rust are twins: on an adapter that keeps strict order they evaluate the surface equally
+/// often for each pixel, but for pixels where another rounding decides whether a step keeps its promise.
+#[test]
+fn the_kernels_search_as_the_program_in_rust_does() {
+    let device = gpu::Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
+    let viewport = Viewport::new(40, 40).expect("a legal size");
+    for name in ["torus", "surface", "islands"] {
+        let model = formats::builtin(name).expect("built in");
+        let plan = Plan { technique: Technique::Exact, ..Plan::default() };
+        let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, plan).expect("drawable");
+        // A ray that passes by a hull costs nothing, so that it does not matter in which pixels a hull is looked for.
+        let expected = |pixel: usize| -> u32 {
+            let at = [(pixel % viewport.width()) as f32 + 0.5, (pixel / viewport.width()) as f32 + 0.5];
+            let of_piece = |piece: &pipeline::PieceRecord| {
+                let sight = Sight::new(&stage.views[piece.face as usize], at);
+                solve(&stage.scene, piece, &sight).evaluations
+            };
+            stage.proxy.pieces.iter().map(of_piece).sum()
+        };
+        let mut renderer = gpu::Renderer::new(&device, &stage.scene, &stage.proxy, Default::default()).expect("drawn");
+        let found = renderer.evaluations(&stage.views, viewport).expect("counted");
+        let searched = found.iter().filter(|&&count| count > 0).count();
+        let off = found.iter().enumerate().filter(|&(pixel, &count)| count != expected(pixel)).count();
+        assert!(searched > 200 && off <= 4 + searched / 256, "{name}: {off} of {searched} pixels");
+    }
+}

@@ -10,4 +10,5 @@ mod golden;
 mod judging;
 mod rays;
 mod three_way;
+mod trim_texture;
 mod trims;

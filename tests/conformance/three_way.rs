@@ -47,7 +47,8 @@ fn cameras(model: &Model, viewport: Viewport) -> Vec<(String, Camera)> {
     cameras
 }
 
-fn words(name: &str, view: &str, pairs: &[PairReport]) -> Vec<String> {
+/// What differs, pair by pair, with the worst pixels.
+pub fn words(name: &str, view: &str, pairs: &[PairReport]) -> Vec<String> {
     let differing = pairs.iter().filter(|pair| pair.verdict != Verdict::Agree);
     differing
         .map(|pair| {

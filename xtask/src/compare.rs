@@ -7,6 +7,7 @@ mod table;
 pub use saved::{Saved, SavedFile};
 
 use crate::format::Format;
+use crate::masks::{MaskReport, TrimArgs};
 use crate::stage::{Plan, ShadedReport, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
@@ -62,6 +63,8 @@ pub struct DrawingArgs {
     /// Programs of a few specialised degrees, or one for any
     #[arg(long, value_enum, default_value = "specialised")]
     scheme: SchemeName,
+    #[command(flatten)]
+    trim: TrimArgs,
     /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are granted
     #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, allow_negative_numbers = true)]
     chord: f64,
@@ -143,7 +146,13 @@ impl DrawingArgs {
             SchemeName::Specialised => Scheme::Specialised,
             SchemeName::General => Scheme::General,
         };
-        Plan { technique: self.technique.into(), scheme, chord_px: self.chord, unbounded_share: self.unbounded }
+        Plan {
+            technique: self.technique.into(),
+            scheme,
+            chord_px: self.chord,
+            trim: self.trim.trimming(),
+            unbounded_share: self.unbounded,
+        }
     }
 }
 
@@ -155,6 +164,10 @@ struct Report<'a> {
     adapter: Option<&'a str>,
     driver: Option<&'a str>,
     triangles: usize,
+    /// How the rasterizers trim faces.
+    trim: &'static str,
+    /// Where they do by masks.
+    masks: Option<MaskReport>,
     pairs: &'a [PairReport],
     /// The picture shaded in the GPU's fragment stage against the shading of its G-buffer.
     shaded: Option<ShadedReport>,
@@ -211,6 +224,8 @@ fn rendered(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
         adapter: meta.and_then(|m| m.adapter.as_deref()),
         driver: meta.and_then(|m| m.driver.as_deref()),
         triangles: stage.proxy.triangles(),
+        trim: stage.plan.trim.name(),
+        masks: MaskReport::of(&stage),
         pairs: &pairs,
         shaded,
         gpu_not_run: rendered.gpu.as_ref().err().map(String::as_str),

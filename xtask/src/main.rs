@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use xtask::{adapters, bench, bless, ci, compare, conform, eval, info, kanai, mutants, pixel, render, scene};
+use xtask::{adapters, bench, bless, ci, compare, conform, eval, geiger, info, kanai, mutants, pixel, render, scene};
 
 /// Isophote: NURBS surfaces, exact per pixel, three independent ways, and how far the three agree
 #[derive(Parser)]
@@ -22,6 +22,7 @@ enum Command {
     Pixel(pixel::PixelArgs),
     Info(info::InfoArgs),
     Kanai(kanai::KanaiArgs),
+    Geiger(geiger::GeigerArgs),
     Mutants(mutants::MutantsArgs),
     Adapters(adapters::AdaptersArgs),
     Bench(bench::BenchArgs),
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         Command::Pixel(args) => pixel::run(&args),
         Command::Info(args) => done(info::run(&args)),
         Command::Kanai(args) => done(kanai::run(&args)),
+        Command::Geiger(args) => done(geiger::run(&args)),
         Command::Mutants(args) => mutants::run(&args),
         Command::Adapters(args) => done(adapters::run(&args)),
         Command::Bench(args) => done(bench::run(&args)),

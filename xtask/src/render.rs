@@ -1,6 +1,7 @@
 //! `render`: one renderer, one picture or G-buffer.
 
 use crate::compare::{DrawingArgs, Shade};
+use crate::masks::MaskReport;
 use crate::stage::Stage;
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
@@ -54,7 +55,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
-    let stage = || Stage::new(&model, camera, viewport, args.drawing.plan());
+    let stage = || {
+        let stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
+        if let Some(note) = MaskReport::of(&stage).and_then(|masks| masks.note) {
+            eprintln!("note: {note}");
+        }
+        anyhow::Ok(stage)
+    };
     let buffer = match args.with {
         With::Raster => stage()?.raster(),
         With::Gpu => {

@@ -5,6 +5,7 @@ use anyhow::{Result, bail};
 use compare::{Deviation, Interpolation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, shade_tolerant};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval, enclose};
+use pipeline::mask::{MaskPlan, Masks, Trimming};
 use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
 use raster::{Drawing, PointSampler, Rasterizer};
 use raycast::Caster;
@@ -28,6 +29,8 @@ pub struct Plan {
     pub scheme: Scheme,
     /// Chord error of a tessellation, pixels.
     pub chord_px: f64,
+    /// How faces are trimmed.
+    pub trim: Trimming,
     /// The share of covered pixels that may have a value without a bound in f32: what the scene states.
     pub unbounded_share: f64,
 }
@@ -38,8 +41,25 @@ impl Default for Plan {
             technique: Technique::default(),
             scheme: Scheme::default(),
             chord_px: DEFAULT_CHORD_PX,
+            trim: Trimming::default(),
             unbounded_share: UNBOUNDED_SHARE,
         }
+    }
+}
+
+impl Plan {
+    /// A model as the rasterizers read it.
+    ///
+    /// # Errors
+    /// Where it cannot be packed, or masks do not fit.
+    pub fn packed(&self, model: &Model, camera: &Camera, viewport: Viewport) -> Result<PackedScene> {
+        Ok(match &self.trim {
+            Trimming::Exact => PackedScene::new(model, self.scheme)?,
+            Trimming::Texture(options) => {
+                let masks = Masks::new(MaskPlan::new(model, camera, viewport, options)?, options.fill);
+                PackedScene::masked(model, self.scheme, masks)?
+            }
+        })
     }
 }
 
@@ -129,7 +149,7 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the model cannot be packed or the chord error asks for too many triangles.
     pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, plan: Plan) -> Result<Self> {
-        let scene = PackedScene::new(model, plan.scheme)?;
+        let scene = plan.packed(model, &camera, viewport)?;
         let proxy = match plan.technique {
             Technique::Fragment => Proxy::tessellated(model, &scene, &camera, viewport, plan.chord_px)?,
             Technique::Exact => Proxy::hulls(model, &scene, &camera, viewport)?,
@@ -263,11 +283,18 @@ impl<'m> Stage<'m> {
 
     /// The allowance against the surface itself, or between two renderers of the same triangles.
     fn deviation(&self, exact: bool) -> Deviation {
-        match (self.plan.technique, exact) {
+        let deviation = match (self.plan.technique, exact) {
             (Technique::Fragment, true) => Deviation::of_proxy(&self.interpolation, &self.proxy.chord),
             (Technique::Fragment, false) => Deviation::of_same_proxy(&self.interpolation, &self.proxy.chord),
             (Technique::Exact, true) => Deviation::exact(self.model),
             (Technique::Exact, false) => Deviation::exact(self.model).either(&Deviation::exact(self.model)),
+        };
+        match &self.scene.masks {
+            None => deviation,
+            Some(masks) => {
+                let text = format!("{}; trim edges: masks within {:.3} px", deviation.text, masks.plan.error_px());
+                Deviation { text, ..deviation }
+            }
         }
     }
 

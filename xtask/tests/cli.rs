@@ -228,3 +228,47 @@ fn fragment_normals_are_closer_than_interpolated_ones() {
         assert!(out.join(format!("{name}.png")).exists());
     }
 }
+
+#[test]
+fn masks_are_reported_and_too_little_memory_makes_them_coarser_or_is_refused() {
+    let texture =
+        |more: &[&'static str]| [&["compare", "islands", "--trim", "texture", "--format", "json"], more].concat();
+    let output = xtask(&texture(&["--size", "48x48"]));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let masks = &report["masks"];
+    assert_eq!((report["trim"].as_str(), masks["faces"].as_u64()), (Some("texture"), Some(1)), "{report}");
+    assert!(masks["error_px"].as_f64().is_some_and(|px| (0.2..=0.5 + 1e-9).contains(&px)) && masks["note"].is_null());
+    let coarser = xtask(&[
+        "render",
+        "islands",
+        "--trim",
+        "texture",
+        "--mask-memory",
+        "1",
+        "--mask-px",
+        "0.05",
+        "--size",
+        "64x64",
+    ]);
+    assert!(coarser.status.success(), "{}", text(&coarser.stderr));
+    assert!(text(&coarser.stderr).contains("masks are coarser than asked"), "{}", text(&coarser.stderr));
+    refused(&texture(&["--mask-memory", "0"]), &["1 trimmed faces", "0 bytes"]);
+    refused(&texture(&["--mask-px", "-1"]), &["-1 pixels", "positive"]);
+}
+
+/// Geiger's Figs. 17, 32 and 33.
+#[test]
+fn geiger_s_figures_are_drawn_and_timed() {
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("geiger");
+    let output =
+        xtask(&["geiger", "islands", "--rounds", "1", "--format", "json", "--out", out.to_str().expect("UTF-8")]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let bytes = |i: usize| report["by_side"][i]["bytes"].as_u64().expect("a number");
+    assert_eq!((bytes(0), bytes(5)), (64 * 64, 2048 * 2048), "{report}");
+    assert!(
+        report["by_chords"].as_array().is_some_and(|rows| rows.iter().all(|row| row["gpu_ms"].as_f64() > Some(0.0)))
+    );
+    assert!(std::fs::metadata(out.join("fig17.png")).expect("a picture").len() > 1000);
+}

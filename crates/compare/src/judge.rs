@@ -184,6 +184,14 @@ impl<'m> Judge<'m> {
         }
     }
 
+    /// Whether an edge of the face passes as near a hit of any renderer as the rasterizers may mistake sides.
+    pub(crate) fn is_at_trim_edge(&self, hit: &Hit) -> bool {
+        self.trimmed_region(hit.face).is_some_and(|region| {
+            let band = self.scene.frames[hit.face.0 as usize].edge_band * region.domain().size();
+            trim::place(region, hit.uv, band) == Place::Edge
+        })
+    }
+
     /// S in f64 at a hit's own parameters.
     pub(crate) fn surface_point(&self, hit: &Hit) -> DVec3 {
         self.model.surface(hit.face).point(hit.uv.x, hit.uv.y)

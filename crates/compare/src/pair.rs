@@ -112,7 +112,8 @@ impl Pair<'_, '_> {
         }
         // Visibility.
         let Some(occluder) = reference.filter(|r| r.t < candidate.t - slack) else { return Ok(agreement) };
-        let behind = |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack);
+        let behind =
+            |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack || self.is_cut_nearby(&q, occluder));
         let own = picture.filter(|_| self.exact).is_some_and(|p| behind(self.sampler.first(p.x, p.y)));
         let bound = bound_px.max(self.bound_at(occluder));
         // Beyond the edge of its triangle a point may fall behind the next one of its face by as much as both are off.
@@ -136,7 +137,9 @@ impl Pair<'_, '_> {
     fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
         let bound = self.bound_at(reference);
         // Two rasterizers may each leave a crack between faces, whose corners are placed in frames of their own.
-        let is_edge = |q: Option<Hit>| q.is_none_or(|q| !self.exact && q.face != reference.face);
+        let is_edge = |q: Option<Hit>| {
+            q.is_none_or(|q| (!self.exact && q.face != reference.face) || self.is_cut_nearby(&q, reference))
+        };
         if self.near_border(reference, center, bound) || self.around(center, bound, Some(reference)).any(is_edge) {
             return Ok(());
         }
@@ -193,7 +196,7 @@ impl Pair<'_, '_> {
     }
 
     /// Whether an edge of the drawing passes within the bound, of a face or of a fold, where depth leaps by more than
-    /// `slack`, and the candidate's point `s` is as near to the pixel's ray as the chord allows: it was interpolated
+    /// `slack`, or a trim edge as near the candidate as the two may mistake sides; and the candidate's point `s` is as near to the pixel's ray as the chord allows: it was interpolated
     /// beyond its triangle.
     fn is_beyond_an_edge(
         &self,
@@ -212,7 +215,13 @@ impl Pair<'_, '_> {
             (q, r) => q.is_some() != r.is_some(),
         };
         self.judge.picture(s).is_some_and(|p| p.distance(center) <= chord_px)
-            && self.around(center, bound_px, reference.or(Some(candidate))).any(is_other)
+            && (self.judge.is_at_trim_edge(candidate)
+                || self.around(center, bound_px, reference.or(Some(candidate))).any(is_other))
+    }
+
+    /// Whether a sample of the face that `hit` shows is so near a trim edge that a rasterizer may have cut it away.
+    fn is_cut_nearby(&self, q: &Hit, hit: &Hit) -> bool {
+        q.face == hit.face && self.judge.is_at_trim_edge(q)
     }
 
     /// Whether a sample shows the candidate's point: same face, same place in the picture and in depth.

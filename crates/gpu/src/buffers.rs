@@ -1,7 +1,9 @@
 //! What is uploaded once: the packed scene and its proxy. Views and shading are written anew each frame.
 
+use crate::masks::{MaskBlend, MaskPainter};
 use crate::{Device, GpuError};
 use gbuffer::ShadeUniform;
+use pipeline::mask::Masks;
 use pipeline::{Batch, PackedScene, Proxy, Vertex, View};
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -24,8 +26,13 @@ pub(crate) struct SceneBuffers {
 }
 
 impl SceneBuffers {
-    /// Uploads a scene for shaders of the stages `visibility`.
-    pub(crate) fn new(device: &Device, scene: &PackedScene, visibility: ShaderStages) -> Result<Self, GpuError> {
+    /// Uploads a scene for shaders of the stages `visibility`, and draws its masks where it has any.
+    pub(crate) fn new(
+        device: &Device,
+        scene: &PackedScene,
+        visibility: ShaderStages,
+        blend: MaskBlend,
+    ) -> Result<Self, GpuError> {
         let faces = scene.faces.len();
         let views = vec![<View as bytemuck::Zeroable>::zeroed(); faces];
         let contents: [&[u8]; 4] = [
@@ -41,19 +48,33 @@ impl SceneBuffers {
         let storage: [wgpu::Buffer; 4] = storage.try_into().expect("four bindings");
         let shading = <ShadeUniform as bytemuck::Zeroable>::zeroed();
         let shading = device.buffer("shading", BufferUsages::UNIFORM, bytemuck::bytes_of(&shading))?;
+        let draw = |masks: &Masks| MaskPainter::new(device, blend)?.draw(device, &masks.plan);
+        let atlas = scene.masks.as_ref().map(draw).transpose()?;
         let (layout, group) = device.guarded(UPLOADING, || {
-            let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility,
-                ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-                count: None,
-            };
-            let mut entries: Vec<_> =
-                (0..4).map(|binding| entry(binding, wgpu::BufferBindingType::Storage { read_only: true })).collect();
-            entries.push(entry(4, wgpu::BufferBindingType::Uniform));
+            let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+            let read_only = buffer(wgpu::BufferBindingType::Storage { read_only: true });
+            let mut types = vec![read_only; 4];
+            types.push(buffer(wgpu::BufferBindingType::Uniform));
+            let mut resources: Vec<_> =
+                storage.iter().chain([&shading]).map(|buffer| buffer.as_entire_binding()).collect();
+            if let Some(atlas) = &atlas {
+                types.push(wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                });
+                resources.push(wgpu::BindingResource::TextureView(&atlas.view));
+            }
+            let entries: Vec<_> = (0..)
+                .zip(types)
+                .map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
+                .collect();
             let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("scene"), entries: &entries };
             let layout = device.wgpu.create_bind_group_layout(&descriptor);
-            let group = device.group("scene", &layout, storage.iter().chain([&shading]));
+            let entries: Vec<_> =
+                (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+            let descriptor = wgpu::BindGroupDescriptor { label: Some("scene"), layout: &layout, entries: &entries };
+            let group = device.wgpu.create_bind_group(&descriptor);
             (layout, group)
         })?;
         Ok(Self { layout, group, storage, shading, faces })

@@ -345,6 +345,7 @@ mod tests {
             curvature: false,
             interpolated_normal: false,
             trimmed: false,
+            masked: false,
         };
         let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();
         let size = |name: &str| {

@@ -10,6 +10,7 @@ mod device;
 mod draw;
 mod error;
 mod exact;
+mod masks;
 mod pass;
 mod probe;
 mod queries;
@@ -17,5 +18,6 @@ mod readback;
 
 pub use device::{AdapterInfo, AdapterKind, Device, adapters};
 pub use error::{GpuError, SOFTWARE_DRIVER};
+pub use masks::{MaskAtlas, MaskBlend, MaskPainter};
 pub use pass::{DepthOrder, Overrides, Renderer, RendererOptions, Timing};
 pub use probe::{PROBE, probe, probe_material};

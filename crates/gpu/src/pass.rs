@@ -4,6 +4,7 @@ use crate::buffers::{ProxyBuffers, SceneBuffers};
 use crate::device::plain;
 use crate::draw::Draw;
 use crate::exact::{Exact, Picture as Meetings};
+use crate::masks::MaskBlend;
 use crate::queries::{Queries, Stamps};
 use crate::readback::{CLEARED, Record, Rows};
 use crate::{Device, GpuError};
@@ -48,6 +49,8 @@ pub struct Overrides<'f> {
     pub source: Option<&'f dyn Fn(Variant) -> String>,
     /// The depth test.
     pub depth: DepthOrder,
+    /// How masks are drawn.
+    pub mask: MaskBlend,
 }
 
 /// What a renderer's programs compute.
@@ -190,7 +193,7 @@ impl<'a> Renderer<'a> {
             Technique::Fragment => ShaderStages::VERTEX_FRAGMENT,
             Technique::Exact => ShaderStages::COMPUTE,
         };
-        let buffers = SceneBuffers::new(device, scene, visibility)?;
+        let buffers = SceneBuffers::new(device, scene, visibility, overrides.mask)?;
         let method = match technique {
             Technique::Fragment => Method::Fragment(Draw::new(device, &buffers, proxy, overrides.depth)?),
             Technique::Exact => Method::Exact(Exact::new(device, &buffers, proxy, overrides.depth)?),
@@ -204,6 +207,7 @@ impl<'a> Renderer<'a> {
                     curvature,
                     interpolated_normal: interpolated_normals,
                     trimmed: scene.is_trimmed(),
+                    masked: scene.masks.is_some(),
                 };
                 let source = overrides.source.map_or_else(|| wgsl::source(variant), |source| source(variant));
                 vacant.insert(device.module(program, source)?);

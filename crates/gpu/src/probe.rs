@@ -1,6 +1,7 @@
 //! The fragment program at given parameters, in a compute shader: no triangles, no interpolation, no coverage.
 
 use crate::buffers::SceneBuffers;
+use crate::masks::MaskBlend;
 use crate::pass::as_shader_error;
 use crate::readback::Record;
 use crate::{Device, GpuError};
@@ -88,9 +89,10 @@ fn answers(
         curvature: true,
         interpolated_normal: false,
         trimmed: false,
+        masked: false,
     };
     let module = device.module(program, wgsl::source(variant) + PROBE)?;
-    let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE)?;
+    let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, MaskBlend::default())?;
     let (pipeline, layout) = device
         .guarded(PROBING, || {
             let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
@@ -176,6 +178,7 @@ mod tests {
             curvature: true,
             interpolated_normal: false,
             trimmed: false,
+            masked: false,
         };
         let module = naga::front::wgsl::parse_str(&(wgsl::source(variant) + PROBE)).unwrap();
         let members = |name: &str| {

@@ -1,7 +1,7 @@
-//! Bounds that hold for a whole Bézier patch: its box, and the lengths of its derivatives.
+//! Bounds that hold for a whole Bézier patch or curve: its box, and the lengths of its derivatives.
 
-use crate::BezierPatch;
-use glam::{DVec3, DVec4};
+use crate::{BezierCurve, BezierPatch};
+use glam::{DVec2, DVec3, DVec4};
 
 /// Relative slack by which bounds are widened, so that rounding in their own computation cannot make them false.
 ///
@@ -159,6 +159,44 @@ impl BezierPatch {
             uv: (uv.0 + u.1 * s_v + v.1 * s_u + uv.1 * radius) * outward,
             vv: (vv.0 + 2.0 * v.1 * s_v + vv.1 * radius) * outward,
         }
+    }
+}
+
+impl BezierCurve {
+    /// Upper bounds of |u''| and |v''| by the curve's own parameter, 0 to 1.
+    ///
+    /// A polynomial curve is bounded by second differences of its control points; a rational one with varying weights in
+    /// four parts, as patches are.
+    pub fn second_derivative_bounds(&self) -> DVec2 {
+        if !self.is_rational() {
+            return self.second_derivative_of_whole();
+        }
+        let mut bounds = DVec2::ZERO;
+        let mut rest = self.clone();
+        for left in (2..=RATIONAL_PARTS).rev() {
+            let [part, other] = rest.split(1.0 / left as f64);
+            bounds = bounds.max(part.second_derivative_of_whole());
+            rest = other;
+        }
+        // A part's parameter runs through a quarter of the curve's.
+        bounds.max(rest.second_derivative_of_whole()) * (RATIONAL_PARTS * RATIONAL_PARTS) as f64
+    }
+
+    /// The quotient rule on the control polygon: C'' = (N'' − 2 C' w' − C w'') / w, about the middle of the hull.
+    fn second_derivative_of_whole(&self) -> DVec2 {
+        let p = self.degree() as f64;
+        let hull = self.hull();
+        let (middle, radius) = (0.5 * (hull.min + hull.max), 0.5 * hull.size());
+        let about: Vec<DVec3> = self.control.iter().map(|c| (c.truncate() - middle * c.z).extend(c.z)).collect();
+        let greatest = |differences: &mut dyn Iterator<Item = DVec3>| {
+            differences.fold(DVec3::ZERO, |most: DVec3, difference| most.max(difference.abs()))
+        };
+        let first = p * greatest(&mut about.windows(2).map(|c| c[1] - c[0]));
+        let second = p * (p - 1.0) * greatest(&mut about.windows(3).map(|c| c[2] - 2.0 * c[1] + c[0]));
+        let weight = self.control.iter().fold(f64::INFINITY, |least: f64, c| least.min(c.z));
+        let outward = (1.0 + OUTWARD) / weight;
+        let c_t = (first.truncate() + radius * first.z) * outward;
+        (second.truncate() + 2.0 * c_t * first.z + radius * second.z) * outward
     }
 }
 

@@ -32,9 +32,10 @@ pub struct FaceRecord {
     pub last_v: u32,
     /// [`RATIONAL`] and [`REVERSED`].
     pub flags: u32,
-    /// Index of the first number of the face's region among the knots ([`crate::trim`]).
+    /// Index among the knots of the first number of the face's region ([`crate::trim`]), or of its mask's place
+    /// ([`crate::mask`]).
     pub trims: u32,
-    /// Number of its intervals; 0 where the face is its whole surface.
+    /// Number of the region's intervals, or 1 for a mask; 0 where the face is its whole surface.
     pub intervals: u32,
 }
 

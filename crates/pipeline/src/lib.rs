@@ -8,6 +8,7 @@ pub mod eval;
 pub mod fragment;
 mod lanes;
 mod layout;
+pub mod mask;
 pub mod newton;
 mod pack;
 mod pieces;

@@ -5,6 +5,7 @@
 
 use crate::fragment::Fragment;
 use crate::layout::{FaceRecord, RATIONAL, REVERSED, View};
+use crate::mask::{self, Masks};
 use gbuffer::{Hit, PrincipalCurvatures};
 use glam::{DMat4, DVec2, DVec3};
 use nurbs::{Direction, KnotVector, Normal, NormalStatus, Surface};
@@ -104,6 +105,8 @@ pub struct PackedScene {
     pub frames: Vec<PackedFrame>,
     /// One program a face.
     pub programs: Vec<Program>,
+    /// The masks by which faces are trimmed, where they are not by their curves.
+    pub masks: Option<Masks>,
 }
 
 impl PackedScene {
@@ -112,7 +115,37 @@ impl PackedScene {
     /// # Errors
     /// [`PackError`] where the model is too large to index or a face has no usable size.
     pub fn new(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
-        let mut packed = Self { faces: vec![], knots: vec![], points: vec![], frames: vec![], programs: vec![] };
+        let mut packed = Self::whole(model, scheme)?;
+        for id in 0..packed.faces.len() {
+            if let Some(region) = model.region(FaceId(id as u32)).filter(|region| !region.is_whole()) {
+                let (trims, intervals, band) = packed.push_region(region)?;
+                (packed.faces[id].trims, packed.faces[id].intervals) = (trims, intervals);
+                packed.frames[id].edge_band = band;
+            }
+        }
+        Ok(packed)
+    }
+
+    /// Packs all faces of a model, trimmed by masks that were made of it.
+    ///
+    /// # Errors
+    /// As of [`Self::new`].
+    pub fn masked(model: &Model, scheme: Scheme, masks: Masks) -> Result<Self, PackError> {
+        let mut packed = Self::whole(model, scheme)?;
+        for (id, tile) in masks.plan.tiles.iter().enumerate() {
+            if let Some(tile) = tile {
+                (packed.faces[id].trims, packed.faces[id].intervals) = (packed.knots.len() as u32, 1);
+                packed.frames[id].edge_band = tile.band;
+                packed.knots.extend(mask::placement(tile));
+            }
+        }
+        Ok(Self { masks: Some(masks), ..packed })
+    }
+
+    /// Packs the whole surfaces.
+    fn whole(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
+        let mut packed =
+            Self { faces: vec![], knots: vec![], points: vec![], frames: vec![], programs: vec![], masks: None };
         for (id, face) in model.faces().iter().enumerate() {
             let surface = &model.surfaces()[face.surface];
             match scheme {
@@ -121,11 +154,6 @@ impl PackedScene {
                     let (raised, degree) = specialised(surface);
                     packed.push(id, &raised, face.reversed, Program::Degree(degree))?;
                 }
-            }
-            if let Some(region) = model.region(FaceId(id as u32)).filter(|region| !region.is_whole()) {
-                let (trims, intervals, band) = packed.push_region(region)?;
-                (packed.faces[id].trims, packed.faces[id].intervals) = (trims, intervals);
-                packed.frames[id].edge_band = band;
             }
         }
         Ok(packed)

@@ -14,6 +14,7 @@
 mod pack;
 
 use crate::layout::FaceRecord;
+use crate::mask;
 use crate::pack::PackedScene;
 
 /// The greatest f32 below 1: parameters at the domain's end are classified as their neighbours inside.
@@ -26,6 +27,9 @@ pub const BISECTIONS: u32 = 24;
 pub fn is_material(scene: &PackedScene, face: &FaceRecord, uv: [f32; 2]) -> bool {
     if face.intervals == 0 {
         return true;
+    }
+    if let Some(masks) = &scene.masks {
+        return mask::is_material(scene, masks, face, uv);
     }
     let [u, v] = uv.map(|t| t.min(BELOW_ONE));
     let intervals = face.intervals as usize;

@@ -13,6 +13,10 @@ pub const LAYOUT: &str = include_str!("../../../shaders/layout.wgsl");
 pub const EVAL: &str = include_str!("../../../shaders/eval.wgsl");
 /// Trimming.
 pub const TRIM: &str = include_str!("../../../shaders/trim.wgsl");
+/// Trimming by masks, which stands in [`TRIM`]'s place.
+pub const MASK: &str = include_str!("../../../shaders/mask.wgsl");
+/// What draws masks; a program of its own.
+pub const ENTRY_MASK: &str = include_str!("../../../shaders/entry_mask.wgsl");
 /// The fragment program.
 pub const FRAGMENT: &str = include_str!("../../../shaders/fragment.wgsl");
 /// The shading code, twin of `gbuffer::shade`.
@@ -39,7 +43,7 @@ pub struct Part {
     pub text: &'static str,
 }
 
-/// All parts of a program, in the order in which they are put together.
+/// All parts of a program, in the order in which they are put together; [`MASK`] may stand in [`TRIM`]'s place.
 pub const PARTS: &[Part] = &[
     Part { of: None, file: "layout.wgsl", text: LAYOUT },
     Part { of: None, file: "eval.wgsl", text: EVAL },
@@ -67,6 +71,8 @@ pub struct Variant {
     pub interpolated_normal: bool,
     /// Whether any face is trimmed. Where none is, no fragment is ever discarded, so that hidden ones may be culled early.
     pub trimmed: bool,
+    /// Whether faces are trimmed by masks ([`crate::mask`]).
+    pub masked: bool,
 }
 
 /// The source of a variant. Entry points of technique `fragment`: `vertex`, `fragment_gbuffer`, `fragment_shaded`; the
@@ -74,7 +80,8 @@ pub struct Variant {
 /// `resolve_shaded`.
 pub fn source(variant: Variant) -> String {
     let parts = PARTS.iter().filter(|part| part.of.is_none_or(|technique| technique == variant.technique));
-    parts.fold(prelude(variant), |source, part| source + part.text)
+    let text = |part: &Part| if variant.masked && part.text == TRIM { MASK } else { part.text };
+    parts.fold(prelude(variant), |source, part| source + text(part))
 }
 
 fn prelude(variant: Variant) -> String {

@@ -10,7 +10,6 @@ use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
 use compare::{Deviation, Judge, PairReport, Verdict};
 use gbuffer::{GBuffer, Meta};
-use pipeline::PackedScene;
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 use serde::{Deserialize, Serialize};
@@ -210,7 +209,7 @@ impl Saved {
         });
         let reference = cast.as_ref().unwrap_or_else(|| &self.files[given.expect("none was cast")].buffer);
         let rays = Rays { caster: &caster, camera: self.camera, viewport: self.viewport };
-        let scene = PackedScene::new(&self.model, plan.scheme)?;
+        let scene = plan.packed(&self.model, &self.camera, self.viewport)?;
         let judge =
             Judge::new(&self.model, &self.camera, self.viewport, &scene).with_unbounded_share(plan.unbounded_share);
         let pair = |a: &GBuffer, b: &GBuffer, deviation: &Deviation, exact: bool| -> Result<PairReport> {

@@ -18,6 +18,9 @@ pub(super) fn print(report: &Report) {
         "{}, technique {}, {}x{}, {} triangles\ngpu: {adapter}",
         report.model, report.technique, report.size[0], report.size[1], report.triangles
     );
+    if let Some(masks) = &report.masks {
+        println!("{}", masks.line());
+    }
     pairs(report.pairs);
     if let Some(shaded) = &report.shaded {
         let verdict = if shaded.verdict == Verdict::Agree { "agree" } else { "DIFFER" };
@@ -26,6 +29,9 @@ pub(super) fn print(report: &Report) {
     }
     if report.undecided > 0 {
         println!("the ray caster left {} pixels undecided", report.undecided);
+    }
+    if let Some(note) = report.masks.as_ref().and_then(|masks| masks.note.as_deref()) {
+        println!("note: {note}");
     }
 }
 

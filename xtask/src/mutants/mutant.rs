@@ -106,6 +106,7 @@ impl Mutant {
             curvature: true,
             interpolated_normal: false,
             trimmed: true,
+            masked: false,
         }))
     }
 }
@@ -166,6 +167,7 @@ mod tests {
             curvature: true,
             interpolated_normal: false,
             trimmed: true,
+            masked: false,
         };
         for technique in pipeline::Technique::ALL {
             assert!(is_legal(&wgsl::source(variant(technique))));

@@ -6,11 +6,9 @@ use anyhow::{Result, bail};
 use compare::Verdict;
 use gbuffer::{GBuffer, Hit, Shading};
 use pipeline::fragment::{Fragment, fragment};
-use pipeline::newton::{self, Sight};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PieceRecord, Proxy, Technique};
+use pipeline::{Proxy, Technique};
 use raycast::Caster;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -42,7 +40,7 @@ pub struct Trial<'s> {
     stage: Stage<'s>,
     caster: Caster<'s>,
     reference: GBuffer,
-    /// How often technique `exact` evaluates the surface for each pixel.
+    /// How often technique `exact`, unchanged, evaluates the surface for each pixel on this device.
     evaluations: Vec<u32>,
 }
 
@@ -50,8 +48,8 @@ impl<'s> Trial<'s> {
     /// Renders the reference.
     ///
     /// # Errors
-    /// Where the scene cannot be drawn.
-    pub fn new(shown: &'s Shown) -> Result<Self> {
+    /// Where the scene cannot be drawn, or the device fails.
+    pub fn new(device: &gpu::Device, shown: &'s Shown) -> Result<Self> {
         let mut stage = Stage::new(&shown.model, shown.camera, shown.viewport, shown.plan)?;
         if let (Some(cells), Technique::Fragment) = (shown.cells, shown.plan.technique) {
             stage.proxy = Proxy::uniform(&shown.model, &stage.scene, cells)?;
@@ -73,7 +71,11 @@ impl<'s> Trial<'s> {
         };
         let evaluations = match shown.plan.technique {
             Technique::Fragment => vec![],
-            Technique::Exact => evaluations(&stage),
+            Technique::Exact => {
+                let options = gpu::RendererOptions { curvature: true, ..Default::default() };
+                let mut renderer = gpu::Renderer::new(device, &stage.scene, &stage.proxy, options)?;
+                renderer.evaluations(&stage.views, shown.viewport)?
+            }
         };
         Ok(Self { shown, stage, caster, reference, evaluations })
     }
@@ -171,7 +173,7 @@ impl<'s> Trial<'s> {
         })
     }
 
-    /// Pixels for which the search takes another path than that of the program in Rust: it ends at the same place, or the
+    /// Pixels for which the search takes another path than unchanged: it ends at the same place, or the
     /// comparison would have said so, but evaluates the surface another number of times.
     fn wrong_effort(&self, found: &[u32]) -> Option<String> {
         let is_off = |k: &usize| self.evaluations[*k] != found[*k];
@@ -188,22 +190,8 @@ impl<'s> Trial<'s> {
     }
 }
 
-/// How often the search of technique `exact` evaluates the surface for each pixel, row-major. A ray that passes by a hull
-/// costs none, so that it does not matter in which pixels a hull is looked for.
-fn evaluations(stage: &Stage) -> Vec<u32> {
-    let width = stage.viewport.width();
-    let of_pixel = |k: usize| -> u32 {
-        let at = [(k % width) as f32 + 0.5, (k / width) as f32 + 0.5];
-        let of_piece = |piece: &PieceRecord| {
-            newton::solve(&stage.scene, piece, &Sight::new(&stage.views[piece.face as usize], at)).evaluations
-        };
-        stage.proxy.pieces.iter().map(of_piece).sum()
-    };
-    (0..stage.viewport.pixels()).into_par_iter().map(of_pixel).collect()
-}
-
-/// In one pixel of so many, and in [`EFFORT_PIXELS`] of any picture, the search may take another path because f32 rounds
-/// otherwise: where a step just keeps its promise, or a ray grazes a hull's edge.
+/// In one pixel of so many, and in [`EFFORT_PIXELS`] of any picture, the search may take another path because another program
+/// is compiled to other roundings: where a step just keeps its promise, or a ray grazes a hull's edge.
 const EFFORT_SHARE: usize = 256;
 
 /// See [`EFFORT_SHARE`].

@@ -113,7 +113,7 @@ fn answer<'s>(
         say(Word::Scene(shown.name.to_owned()))?;
         let trial = match trial {
             Some(trial) => trial,
-            None => trial.insert(Trial::new(shown)?),
+            None => trial.insert(Trial::new(device, shown)?),
         };
         match trial.run(device, &source)? {
             Shot::Caught(catch) => return Ok(Outcome::Caught(catch)),

@@ -25,7 +25,7 @@ fn stack(count: usize) -> Shot {
 }
 
 fn with_depth(depth: DepthOrder) -> RendererOptions<'static> {
-    RendererOptions { overrides: Overrides { source: None, depth }, ..CURVATURE }
+    RendererOptions { overrides: Overrides { depth, ..Overrides::default() }, ..CURVATURE }
 }
 
 #[test]

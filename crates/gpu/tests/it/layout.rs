@@ -15,8 +15,9 @@ fn variants() -> Vec<Variant> {
     for program in [Program::General].into_iter().chain((3..=15).step_by(2).map(Program::Degree)) {
         for curvature in [false, true] {
             for interpolated_normal in [false, true] {
-                for trimmed in [false, true] {
-                    let of = |technique| Variant { technique, program, curvature, interpolated_normal, trimmed };
+                for (trimmed, masked) in [(false, false), (true, false), (true, true)] {
+                    let of =
+                        |technique| Variant { technique, program, curvature, interpolated_normal, trimmed, masked };
                     all.extend(Technique::ALL.map(of));
                 }
             }

@@ -5,7 +5,7 @@ use crate::software;
 use crate::twin::differences;
 use gbuffer::{GBuffer, Meta, ShadeInput, ShadeKind, Shading, background, shade_tolerant};
 use glam::DVec3;
-use gpu::{DepthOrder, Device, Overrides, Renderer, RendererOptions};
+use gpu::{DepthOrder, Device, MaskBlend, Overrides, Renderer, RendererOptions};
 use nurbs::{KnotVector, Surface};
 use pipeline::fragment::fragment;
 use pipeline::wgsl::{self, Variant};
@@ -15,7 +15,7 @@ use scene::{Camera, FaceId, Model, Projection, Viewport};
 pub(crate) const CURVATURE: RendererOptions<'static> = RendererOptions {
     curvature: true,
     interpolated_normals: false,
-    overrides: Overrides { source: None, depth: DepthOrder::Nearest },
+    overrides: Overrides { source: None, depth: DepthOrder::Nearest, mask: MaskBlend::Parity },
 };
 
 /// A model packed, tessellated and seen.

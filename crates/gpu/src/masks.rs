@@ -1,0 +1,232 @@
+//! The atlas of masks, drawn on the device from its curves.
+//!
+//! The first pass of Geiger's algorithm, once for all faces: the vertex stage evaluates the curves, each chord makes a
+//! triangle with its loop's first point, and each triangle turns over the texels that it covers. A target of 8 bits is blended
+//! with source × (1 − destination) + destination × 0; with a source of one that exchanges 0 and 1, both of which the format
+//! holds exactly, and WebGPU promises that the format blends. A logic operation would do the same, and wgpu has none; nor do
+//! faces need rectangles to be cut to: a triangle with its corners in the box of a loop stays in it.
+
+use crate::{Device, GpuError};
+use bytemuck::{Pod, Zeroable};
+use pipeline::mask::MaskPlan;
+use pipeline::wgsl;
+use wgpu::{
+    BlendComponent, BlendFactor, BlendOperation, BufferBindingType, BufferUsages, ShaderStages, TextureFormat,
+    TextureUsages,
+};
+
+const DRAWING: &str = "drawing the masks";
+
+const READING: &str = "reading the masks back";
+
+/// What a triangle does to a texel that it covers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MaskBlend {
+    /// Turns it over.
+    #[default]
+    Parity,
+    /// Fills it: a fault, for tests of the comparer.
+    Union,
+}
+
+/// What draws masks; made once, it draws those of any plan.
+#[derive(Debug)]
+pub struct MaskPainter {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+/// `Extent` in `shaders/entry_mask.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Extent {
+    size: [f32; 2],
+    curves: u32,
+    padding: u32,
+}
+
+impl MaskPainter {
+    /// Compiles the program.
+    ///
+    /// # Errors
+    /// [`GpuError::Refused`], [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    pub fn new(device: &Device, blend: MaskBlend) -> Result<Self, GpuError> {
+        device.guarded("compiling a pipeline", || {
+            let layout = layout(device);
+            Self { pipeline: pipeline(device, &layout, blend), layout }
+        })
+    }
+
+    /// Draws the masks of a plan, and waits until that is done.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] where the atlas does not fit the adapter; [`GpuError::OutOfMemory`], [`GpuError::Timeout`],
+    /// [`GpuError::Lost`].
+    pub fn draw(&self, device: &Device, plan: &MaskPlan) -> Result<MaskAtlas, GpuError> {
+        let side = u64::from(plan.size[0].max(plan.size[1]));
+        let limit = u64::from(device.limits.max_texture_dimension_2d);
+        device.fits("the atlas of masks", "max_texture_dimension_2d", side, limit)?;
+        let atlas = device.guarded(DRAWING, || MaskAtlas::blank(device, plan.size))?;
+        let extent = Extent { size: plan.size.map(|side| side as f32), curves: plan.curves.len() as u32, padding: 0 };
+        let buffers = [
+            device.storage("mask curves", bytemuck::cast_slice(&plan.curves))?,
+            device.storage("control points of masks", bytemuck::cast_slice(&plan.control))?,
+            device.buffer("the atlas's extent", BufferUsages::UNIFORM, bytemuck::bytes_of(&extent))?,
+        ];
+        let encoder = device.guarded(DRAWING, || {
+            let group = device.group("masks", &self.layout, &buffers);
+            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("masks"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &atlas.view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            });
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..3 * plan.chords(), 0..1);
+            drop(pass);
+            encoder
+        })?;
+        let submitted = device.submit(DRAWING, encoder)?;
+        device.wait(DRAWING, Some(submitted))?;
+        Ok(atlas)
+    }
+}
+
+/// Drawn masks.
+#[derive(Debug)]
+pub struct MaskAtlas {
+    texture: wgpu::Texture,
+    pub(crate) view: wgpu::TextureView,
+    size: [u32; 2],
+}
+
+impl MaskAtlas {
+    /// The texels, row-major; 255 is material.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfMemory`], [`GpuError::Timeout`], [`GpuError::Lost`].
+    pub fn texels(&self, device: &Device) -> Result<Vec<u8>, GpuError> {
+        let [width, height] = self.size.map(|side| side as usize);
+        let stride = width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
+        let (staging, encoder) = device.guarded(READING, || {
+            let staging = device.staging((stride * height) as u64);
+            let layout =
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride as u32), rows_per_image: None };
+            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
+            encoder.copy_texture_to_buffer(
+                self.texture.as_image_copy(),
+                wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
+                self.texture.size(),
+            );
+            (staging, encoder)
+        })?;
+        device.submit(READING, encoder)?;
+        let mut rows = vec![0; stride * height];
+        device.read_staging(READING, &staging, &mut rows)?;
+        Ok(rows.chunks_exact(stride).flat_map(|row| &row[..width]).copied().collect())
+    }
+
+    fn blank(device: &Device, size: [u32; 2]) -> Self {
+        let texture = device.wgpu.create_texture(&wgpu::TextureDescriptor {
+            label: Some("masks"),
+            size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TextureFormat::R8Unorm,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&Default::default());
+        Self { texture, view, size }
+    }
+}
+
+fn layout(device: &Device) -> wgpu::BindGroupLayout {
+    let storage = BufferBindingType::Storage { read_only: true };
+    let entries: Vec<_> = (0..)
+        .zip([storage, storage, BufferBindingType::Uniform])
+        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: ShaderStages::VERTEX,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
+        })
+        .collect();
+    let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("masks"), entries: &entries };
+    device.wgpu.create_bind_group_layout(&descriptor)
+}
+
+fn pipeline(device: &Device, layout: &wgpu::BindGroupLayout, blend: MaskBlend) -> wgpu::RenderPipeline {
+    let layout = device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("masks"),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    let module = device.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("masks"),
+        source: wgpu::ShaderSource::Wgsl(wgsl::ENTRY_MASK.into()),
+    });
+    let turn_over = BlendComponent {
+        src_factor: BlendFactor::OneMinusDst,
+        dst_factor: BlendFactor::Zero,
+        operation: BlendOperation::Add,
+    };
+    let blend = (blend == MaskBlend::Parity).then_some(wgpu::BlendState { color: turn_over, alpha: turn_over });
+    device.wgpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("masks"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("fan"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("toggle"),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: TextureFormat::R8Unorm,
+                blend,
+                write_mask: wgpu::ColorWrites::RED,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::TypeInner;
+    use pipeline::mask::MaskCurve;
+
+    #[test]
+    fn records_and_the_capacity_are_those_of_the_shader() {
+        let module = naga::front::wgsl::parse_str(wgsl::ENTRY_MASK).unwrap();
+        let size = |name: &str| {
+            let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap().1;
+            let TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
+            (*span as usize, members.last().unwrap().offset as usize)
+        };
+        assert_eq!(size("MaskCurve"), (size_of::<MaskCurve>(), std::mem::offset_of!(MaskCurve, chords)));
+        assert_eq!(size("Extent"), (size_of::<Extent>(), std::mem::offset_of!(Extent, curves)));
+        let (_, order) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some("MAX_ORDER")).unwrap();
+        let expected = naga::Expression::Literal(naga::Literal::U32(nurbs::MAX_ORDER as u32));
+        assert_eq!(module.global_expressions[order.init], expected);
+    }
+}
