@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 const CPU_LIMIT: Duration = Duration::from_secs(30);
 
 /// Time after which a scene is called a hang where the processor waits for a hardware GPU.
-const WALL_LIMIT: Duration = Duration::from_secs(300);
+const WALL_LIMIT: Duration = Duration::from_secs(60);
 
 /// How often a silent worker's processor time is looked at.
 const LOOK: Duration = Duration::from_millis(250);
