@@ -9,7 +9,7 @@ use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 use pipeline::PackedScene;
 use rayon::prelude::*;
-use scene::{Camera, FaceId, Model, Region, Viewport};
+use scene::{Camera, Model, Viewport};
 
 /// Judges renderings of one model by one camera.
 pub struct Judge<'m> {
@@ -162,9 +162,12 @@ impl<'m> Judge<'m> {
         Ok(())
     }
 
-    /// The region of a face that is not its whole surface.
-    pub(crate) fn trimmed_region(&self, face: FaceId) -> Option<&Region> {
-        self.model.region(face).filter(|region| !region.is_whole())
+    /// Where a hit's own parameters are, and the band about them in which f32 may mistake sides; `None` where its face is
+    /// whole.
+    fn trim_place(&self, hit: &Hit) -> Option<(Place, DVec2)> {
+        let region = self.model.trimmed_region(hit.face)?;
+        let band = self.scene.frames[hit.face.0 as usize].edge_band * region.domain().size();
+        Some((trim::place(region, hit.uv, band), band))
     }
 
     /// Whether an edge passes as near a hit's own parameters as f32 may mistake sides.
@@ -172,12 +175,10 @@ impl<'m> Judge<'m> {
     /// # Errors
     /// Where the face has no material there, nor so near.
     pub(crate) fn trimming(&self, hit: &Hit) -> Result<bool, Difference> {
-        let Some(region) = self.trimmed_region(hit.face) else { return Ok(false) };
-        let band = self.scene.frames[hit.face.0 as usize].edge_band * region.domain().size();
-        match trim::place(region, hit.uv, band) {
-            Place::Material => Ok(false),
-            Place::Edge => Ok(true),
-            Place::Cut => {
+        match self.trim_place(hit) {
+            None | Some((Place::Material, _)) => Ok(false),
+            Some((Place::Edge, _)) => Ok(true),
+            Some((Place::Cut, band)) => {
                 let detail = format!("face {} has no material at (u, v) = {}, nor within {band}", hit.face.0, hit.uv);
                 Err(Difference::new(Cause::Trim, f64::INFINITY, detail))
             }
@@ -186,10 +187,7 @@ impl<'m> Judge<'m> {
 
     /// Whether an edge of the face passes as near a hit of any renderer as the rasterizers may mistake sides.
     pub(crate) fn is_at_trim_edge(&self, hit: &Hit) -> bool {
-        self.trimmed_region(hit.face).is_some_and(|region| {
-            let band = self.scene.frames[hit.face.0 as usize].edge_band * region.domain().size();
-            trim::place(region, hit.uv, band) == Place::Edge
-        })
+        self.trim_place(hit).is_some_and(|(place, _)| place == Place::Edge)
     }
 
     /// S in f64 at a hit's own parameters.

@@ -61,7 +61,7 @@ impl Pair<'_, '_> {
     /// away; one that solves for the surface at each pixel missed a root, whether it then found a farther one or none;
     /// another cause, `otherwise`, for triangles.
     fn unseen(&self, hidden: &Hit, otherwise: Cause) -> Cause {
-        if self.judge.trimmed_region(hidden.face).is_some() {
+        if self.judge.model.trimmed_region(hidden.face).is_some() {
             return Cause::Trim;
         }
         if self.candidate.meta().technique == EXACT { Cause::MissedRoot } else { otherwise }
@@ -281,7 +281,7 @@ impl Pair<'_, '_> {
             return true;
         }
         let surface = self.judge.model.surface(hit.face);
-        if let Some(region) = self.judge.trimmed_region(hit.face) {
+        if let Some(region) = self.judge.model.trimmed_region(hit.face) {
             let distance = |uv: DVec2| {
                 let seen = self.judge.picture(surface.point(uv.x, uv.y));
                 seen.map_or(f64::INFINITY, |p| p.distance(center))

@@ -2,7 +2,7 @@
 
 use crate::bezier_curve::BezierCurve;
 use crate::blossom::bezier_points;
-use crate::surface::{check_weights, usable};
+use crate::space_curve::homogeneous;
 use crate::{KnotVector, NurbsError};
 use glam::{DVec2, DVec3, DVec4};
 
@@ -22,20 +22,7 @@ impl Curve {
     /// # Errors
     /// [`NurbsError::PointCount`], [`NurbsError::PointNotFinite`], [`NurbsError::WeightCount`], [`NurbsError::Weight`].
     pub fn new(knots: KnotVector, points: &[DVec2], weights: Option<&[f64]>) -> Result<Self, NurbsError> {
-        let expected = knots.control_count();
-        if points.len() != expected {
-            return Err(NurbsError::PointCount { expected, found: points.len() });
-        }
-        if let Some(index) = points.iter().position(|p| !p.to_array().into_iter().all(usable)) {
-            let value = points[index].to_array().into_iter().find(|&x| !usable(x)).expect("one is not usable");
-            return Err(NurbsError::PointNotFinite { index, value });
-        }
-        if let Some(weights) = weights {
-            check_weights(weights, expected)?;
-        }
-        let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
-        let lift = |(i, p): (usize, &DVec2)| DVec4::new(p.x * weight(i), p.y * weight(i), 0.0, weight(i));
-        let homogeneous = points.iter().enumerate().map(lift).collect();
+        let homogeneous = homogeneous(&knots, points.iter().map(|p| p.extend(0.0)), weights)?;
         Ok(Self { knots, homogeneous })
     }
 

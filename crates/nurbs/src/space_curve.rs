@@ -18,19 +18,7 @@ impl SpaceCurve {
     /// # Errors
     /// [`NurbsError::PointCount`], [`NurbsError::PointNotFinite`], [`NurbsError::WeightCount`], [`NurbsError::Weight`].
     pub fn new(knots: KnotVector, points: &[DVec3], weights: Option<&[f64]>) -> Result<Self, NurbsError> {
-        let expected = knots.control_count();
-        if points.len() != expected {
-            return Err(NurbsError::PointCount { expected, found: points.len() });
-        }
-        let coordinates = points.iter().enumerate().flat_map(|(i, p)| p.to_array().map(|x| (i, x)));
-        if let Some((index, value)) = coordinates.into_iter().find(|(_, x)| !usable(*x)) {
-            return Err(NurbsError::PointNotFinite { index, value });
-        }
-        if let Some(weights) = weights {
-            check_weights(weights, expected)?;
-        }
-        let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
-        let homogeneous = points.iter().enumerate().map(|(i, p)| (*p * weight(i)).extend(weight(i))).collect();
+        let homogeneous = homogeneous(&knots, points.iter().copied(), weights)?;
         Ok(Self { knots, homogeneous })
     }
 
@@ -54,4 +42,25 @@ impl SpaceCurve {
         let point = c.truncate() / c.w;
         [point, (c_t.truncate() - point * c_t.w) / c.w]
     }
+}
+
+/// The checked control points of a curve, (w x, w y, w z, w).
+pub(crate) fn homogeneous(
+    knots: &KnotVector,
+    points: impl ExactSizeIterator<Item = DVec3> + Clone,
+    weights: Option<&[f64]>,
+) -> Result<Vec<DVec4>, NurbsError> {
+    let expected = knots.control_count();
+    if points.len() != expected {
+        return Err(NurbsError::PointCount { expected, found: points.len() });
+    }
+    let mut coordinates = points.clone().enumerate().flat_map(|(i, p)| p.to_array().map(|x| (i, x)));
+    if let Some((index, value)) = coordinates.find(|(_, x)| !usable(*x)) {
+        return Err(NurbsError::PointNotFinite { index, value });
+    }
+    if let Some(weights) = weights {
+        check_weights(weights, expected)?;
+    }
+    let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
+    Ok(points.enumerate().map(|(i, p)| (p * weight(i)).extend(weight(i))).collect())
 }

@@ -117,7 +117,7 @@ impl PackedScene {
     pub fn new(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
         let mut packed = Self::whole(model, scheme)?;
         for id in 0..packed.faces.len() {
-            if let Some(region) = model.region(FaceId(id as u32)).filter(|region| !region.is_whole()) {
+            if let Some(region) = model.trimmed_region(FaceId(id as u32)) {
                 let (trims, intervals, band) = packed.push_region(region)?;
                 (packed.faces[id].trims, packed.faces[id].intervals) = (trims, intervals);
                 packed.frames[id].edge_band = band;

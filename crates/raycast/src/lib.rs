@@ -105,7 +105,7 @@ impl<'m> Caster<'m> {
     pub fn new(model: &'m Model) -> Self {
         let pieces = Pieces::new(model);
         let tree = Tree::new(&pieces);
-        let region = |id: usize| model.region(FaceId(id as u32)).filter(|region| !region.is_whole());
+        let region = |id: usize| model.trimmed_region(FaceId(id as u32));
         let classifiers = (0..model.faces().len()).into_par_iter().map(|id| region(id).map(Classifier::new)).collect();
         Self { model, pieces, tree, classifiers }
     }

@@ -86,6 +86,14 @@ impl Model {
         self.regions[id.0 as usize].as_ref()
     }
 
+    /// The region of a face that has less material than its whole surface; `None` for all others.
+    ///
+    /// # Panics
+    /// Where `id` is not one of this model's faces.
+    pub fn trimmed_region(&self, id: FaceId) -> Option<&Region> {
+        self.region(id).filter(|region| !region.is_whole())
+    }
+
     /// Whether any face carries trim loops.
     pub fn is_trimmed(&self) -> bool {
         self.faces.iter().any(|f| !f.loops.is_empty())

@@ -151,7 +151,7 @@ impl MaskPlan {
             _ => {}
         }
         let trimmed: Vec<(usize, &Region)> = (0..model.faces().len())
-            .filter_map(|face| Some((face, model.region(FaceId(face as u32)).filter(|region| !region.is_whole())?)))
+            .filter_map(|face| Some((face, model.trimmed_region(FaceId(face as u32))?)))
             .collect();
         let wanted: Vec<Wanted> = trimmed
             .into_par_iter()
