@@ -79,6 +79,13 @@ impl Classifier {
         Side { inside: self.inside(uv), distance: nearest / (1.0 + DISTANCE_SLACK) }
     }
 
+    /// Whether an edge comes within `reach` of (u, v), in the metric of [`Self::side`], give or take a hundredth of it.
+    pub fn is_at_edge(&self, uv: DVec2, speeds: DVec2, reach: f64) -> bool {
+        let mut nearest = reach.next_up();
+        self.approach(0, uv, speeds, &mut nearest);
+        nearest <= reach
+    }
+
     fn winding(&self, uv: DVec2) -> i32 {
         let mut sum = 0;
         let mut stack = vec![0];
