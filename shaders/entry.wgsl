@@ -28,35 +28,17 @@ fn vertex(in: VertexInput) -> VertexOutput {
     return out;
 }
 
-// The program at the interpolated (u, v), or on a skirt where the ray meets the surface; what lies behind is seen where the
-// face does not cover the pixel.
+// The program at the interpolated (u, v); what lies behind is seen where the face does not cover the pixel.
 fn shown(in: VertexOutput) -> Fragment {
-    if (!TRIMMED) {
-        return fragment(in.face, in.uv);
-    }
-    let s = sight(views[in.face], in.clip.xy);
-    let on_skirt = any(in.uv != clamp(in.uv, vec2<f32>(0.0), vec2<f32>(1.0)));
-    var out: Fragment;
-    var at: Footprint;
-    var uv = in.uv;
-    for (var k = 0u; k <= STEPS; k++) {
-        let f = fragment(in.face, uv);
-        if (k == 0u || on_skirt) {
-            out = f;
-        }
-        if (k == STEPS || at.settled) {
-            break;
-        }
-        at = footprint(s, f.uv, f.position, f.su, f.sv);
-        uv = at.center;
-        if (at.lost || (at.settled && !on_skirt)) {
-            break;
+    let f = fragment(in.face, in.uv);
+    if (TRIMMED) {
+        let at = footprint(sight(views[in.face], in.clip.xy), f.uv, f.position, f.su, f.sv);
+        let on_skirt = any(in.uv != f.uv);
+        if ((on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX) || !is_shown(faces[in.face], at)) {
+            discard;
         }
     }
-    if ((on_skirt && !at.settled) || !is_shown(faces[in.face], at)) {
-        discard;
-    }
-    return out;
+    return f;
 }
 
 @fragment

@@ -3,6 +3,7 @@
 const RATIONAL: u32 = 1u;
 const REVERSED: u32 = 2u;
 const BOUNDED: u32 = 4u;
+const GREATEST: f32 = 3.40282346e38;
 
 struct FaceRecord {
     degree_u: u32,

@@ -3,9 +3,9 @@
 
 @group(0) @binding(5) var atlas: texture_2d<f32>;
 
-// A texel knows of no edges.
-fn is_at_edge(face: FaceRecord, uv: vec2<f32>, reach: vec2<f32>) -> bool {
-    return false;
+// Of masks, only in the middle.
+fn is_near_material(face: FaceRecord, uv: vec2<f32>, reach: Reach) -> bool {
+    return is_material(face, uv);
 }
 
 fn is_material(face: FaceRecord, uv: vec2<f32>) -> bool {

@@ -16,7 +16,6 @@ const PATIENCE_EDGE_ON: u32 = 1u;
 const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
 const ONE_END: f32 = 1.0 / 64.0;
 const DAMPING: f32 = 1.0 / 1048576.0;
-const GREATEST: f32 = 3.40282346e38;
 
 const HIT: u32 = 0u;
 const MISS: u32 = 1u;
@@ -90,7 +89,7 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
 fn footprint_of(piece: PieceRecord, at: Place, uv: vec2<f32>) -> Footprint {
     let pixel = across(at.along_u, at.along_v);
     let size = extent(piece);
-    return Footprint(uv, pixel.right * size, pixel.up * size, true, false);
+    return Footprint(uv, pixel.right * size, pixel.up * size, near_px(at.along_u, at.along_v, at.sides_squared), 0.0);
 }
 
 fn near(piece: PieceRecord, a: vec2<f32>, b: vec2<f32>, share: f32) -> bool {

@@ -1,9 +1,9 @@
 // What a pixel sees of a face: its ray as two planes, and its footprint in the parameters. Twin of crates/pipeline/src/sight.rs.
 
 const NEAR_PX: f32 = 1.0 / 256.0;
+const STEEP: f32 = 1.0 / 16.0;
 const REACH_PX: f32 = 4.0;
-const LAST_STEP_PX: f32 = 1.0 / 8.0;
-const STEPS: u32 = 4u;
+const SKIRT_STEP_PX: f32 = 0.5;
 const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
 
 struct Sight {
@@ -17,8 +17,14 @@ struct Footprint {
     center: vec2<f32>,
     right: vec2<f32>,
     up: vec2<f32>,
-    settled: bool,
-    lost: bool,
+    near_px: f32,
+    step_squared: f32,
+}
+
+// An ellipse of parameters.
+struct Reach {
+    metric: vec3<f32>,
+    extent: vec2<f32>,
 }
 
 struct Across {
@@ -52,12 +58,17 @@ fn squared_pixels(s: Sight, w: f32) -> f32 {
 fn footprint(s: Sight, uv: vec2<f32>, position: vec3<f32>, su: vec3<f32>, sv: vec3<f32>) -> Footprint {
     let w = plane(s.w, position);
     let value = vec3<f32>(plane(s.x, position), plane(s.y, position), 0.0) / w;
-    let pixel = across(along(s, value, su).xy / w, along(s, value, sv).xy / w);
+    let a = along(s, value, su).xy / w;
+    let b = along(s, value, sv).xy / w;
+    let pixel = across(a, b);
     let step = -(value.x * pixel.right + value.y * pixel.up);
-    let far = max(dot(su, su) * (step.x * step.x), dot(sv, sv) * (step.y * step.y)) * squared_pixels(s, w);
+    let pixels = squared_pixels(s, w);
+    let side_u = dot(su, su) * pixels;
+    let side_v = dot(sv, sv) * pixels;
+    let far = max(side_u * (step.x * step.x), side_v * (step.y * step.y));
     let found = far <= REACH_PX * REACH_PX && (any(pixel.right != vec2<f32>()) || any(pixel.up != vec2<f32>()));
     let center = select(uv, uv + step, found);
-    return Footprint(center, pixel.right, pixel.up, found && far <= LAST_STEP_PX * LAST_STEP_PX, !found);
+    return Footprint(center, pixel.right, pixel.up, near_px(a, b, side_u * side_v), select(GREATEST, far, found));
 }
 
 fn across(a: vec2<f32>, b: vec2<f32>) -> Across {
@@ -69,21 +80,27 @@ fn across(a: vec2<f32>, b: vec2<f32>) -> Across {
     return Across(vec2<f32>(), vec2<f32>());
 }
 
-fn is_shown(face: FaceRecord, at: Footprint) -> bool {
-    if ((face.flags & BOUNDED) == 0u || is_there(face, at.center)) {
-        return true;
+fn near_px(a: vec2<f32>, b: vec2<f32>, sides_squared: f32) -> f32 {
+    let det = abs(a.x * b.y - a.y * b.x);
+    let steep = STEEP * sqrt(sides_squared);
+    if (det < steep) {
+        return NEAR_PX * (det / steep);
     }
-    let right = at.right * NEAR_PX;
-    let up = at.up * NEAR_PX;
-    let reach = max(abs(right), abs(up));
-    let at_border = any(at.center < reach) || any(at.center > 1.0 - reach);
-    return (at_border || is_at_edge(face, at.center, reach))
-        && (is_there(face, at.center + right)
-            || is_there(face, at.center - right)
-            || is_there(face, at.center + up)
-            || is_there(face, at.center - up));
+    return NEAR_PX;
 }
 
-fn is_there(face: FaceRecord, uv: vec2<f32>) -> bool {
-    return all(uv >= vec2<f32>(0.0)) && all(uv <= vec2<f32>(1.0)) && is_material(face, uv);
+fn reach_of(at: Footprint) -> Reach {
+    let a = at.right * at.near_px;
+    let b = at.up * at.near_px;
+    let metric = vec3<f32>(a.x * a.x + b.x * b.x, a.x * a.y + b.x * b.y, a.y * a.y + b.y * b.y);
+    return Reach(metric, sqrt(metric.xz));
+}
+
+fn is_shown(face: FaceRecord, at: Footprint) -> bool {
+    if ((face.flags & BOUNDED) == 0u) {
+        return true;
+    }
+    let reach = reach_of(at);
+    let uv = clamp(at.center, vec2<f32>(0.0), vec2<f32>(1.0));
+    return all(abs(at.center - uv) <= reach.extent) && is_near_material(face, uv, reach);
 }

@@ -4,41 +4,62 @@ const BELOW_ONE: f32 = 0.99999994;
 const BISECTIONS: u32 = 24u;
 
 fn is_material(face: FaceRecord, uv: vec2<f32>) -> bool {
+    return is_near_material(face, uv, Reach());
+}
+
+fn toward(reach: Reach, n: vec2<f32>) -> vec2<f32> {
+    let g = vec2<f32>(dot(reach.metric.xy, n), dot(reach.metric.yz, n));
+    let squared = dot(n, g);
+    if (squared > 0.0) {
+        return g / sqrt(squared);
+    }
+    return vec2<f32>();
+}
+
+fn is_near_material(face: FaceRecord, uv: vec2<f32>, reach: Reach) -> bool {
     if (face.intervals == 0u) {
         return true;
     }
-    let at = locate(face, min(uv, vec2<f32>(BELOW_ONE)));
-    return at.found && (at.left - at.first) % 2u == 1u;
-}
-
-fn is_at_edge(face: FaceRecord, uv: vec2<f32>, reach: vec2<f32>) -> bool {
-    if (face.intervals == 0u) {
-        return false;
+    let at = min(uv, vec2<f32>(BELOW_ONE));
+    // Beyond a level edge or a corner is another interval.
+    let up = toward(reach, vec2<f32>(0.0, 1.0));
+    var place = at;
+    var is_above = false;
+    var within = reach;
+    for (var k = 0u; k < 3u; k++) {
+        let here = side(face, place, within);
+        if (here.material) {
+            return true;
+        }
+        if (k == 0u) {
+            is_above = at.y + reach.extent.y >= here.high;
+            within = Reach();
+        }
+        if (k == 0u && at.y - reach.extent.y < here.low) {
+            place = min(at - up, vec2<f32>(BELOW_ONE));
+        } else if (is_above) {
+            is_above = false;
+            place = min(at + up, vec2<f32>(BELOW_ONE));
+        } else {
+            return false;
+        }
     }
+    return false;
+}
+
+struct Side {
+    material: bool,
+    low: f32,
+    high: f32,
+}
+
+fn side(face: FaceRecord, at: vec2<f32>, reach: Reach) -> Side {
     let ends = face.trims;
-    let place = min(uv, vec2<f32>(BELOW_ONE));
-    let at = locate(face, place);
-    if (!at.found) {
-        return place.y + reach.y >= knots[ends] && place.y - reach.y < knots[ends + face.intervals];
+    if (at.y < knots[ends]) {
+        return Side(false, -GREATEST, knots[ends]);
     }
-    return place.y - reach.y < knots[ends + at.interval]
-        || place.y + reach.y >= knots[ends + at.interval + 1u]
-        || (at.left > at.first && place.x - reach.x < points[at.left - 1u].y)
-        || (at.left < at.end && place.x + reach.x >= points[at.left].x);
-}
-
-struct Located {
-    found: bool,
-    interval: u32,
-    first: u32,
-    end: u32,
-    left: u32,
-}
-
-fn locate(face: FaceRecord, at: vec2<f32>) -> Located {
-    let ends = face.trims;
-    if (!(at.y >= knots[ends] && at.y < knots[ends + face.intervals])) {
-        return Located(false, 0u, 0u, 0u, 0u);
+    if (at.y >= knots[ends + face.intervals]) {
+        return Side(false, knots[ends + face.intervals], GREATEST);
     }
     var low = 0u;
     var high = face.intervals;
@@ -53,30 +74,39 @@ fn locate(face: FaceRecord, at: vec2<f32>) -> Located {
     let starts = ends + face.intervals + 1u;
     let first = u32(knots[starts + low]);
     let end = u32(knots[starts + low + 1u]);
+    // Edges before `left` pass on the left, those from `right` on do not.
     var left = first;
     var right = end;
     while (left < right) {
         let middle = (left + right) / 2u;
-        if (passes_left(points[middle], at)) {
+        let inward = select(-1.0, 1.0, (middle - first) % 2u == 0u);
+        if (passes_left(points[middle], at, reach, inward)) {
             left = middle + 1u;
         } else {
             right = middle;
         }
     }
-    return Located(true, low, first, end, left);
+    return Side((left - first) % 2u == 1u, knots[ends + low], knots[ends + high]);
 }
 
-fn passes_left(edge: vec4<f32>, at: vec2<f32>) -> bool {
-    if (at.x < edge.x) {
+fn passes_left(edge: vec4<f32>, at: vec2<f32>, reach: Reach, inward: f32) -> bool {
+    let moved = at.x + inward * reach.extent.x;
+    if (max(at.x, moved) < edge.x) {
         return false;
     }
-    if (at.x >= edge.y) {
+    if (min(at.x, moved) >= edge.y) {
         return true;
     }
     let piece = u32(edge.z);
     let box = points[piece];
-    let x = (at.x - box.x) * box.z;
-    let y = (at.y - box.y) * box.w;
+    // Across the piece's chord; an upright one has no extent in u.
+    let across = select(vec2<f32>(1.0, 0.0), vec2<f32>(box.z, -edge.w * box.w), box.z > 0.0);
+    let shift = toward(reach, across);
+    if (box.z <= 0.0) {
+        return at.x + inward * shift.x >= box.x;
+    }
+    let x = (at.x + inward * shift.x - box.x) * box.z;
+    let y = (at.y + inward * shift.y - box.y) * box.w;
     let control = piece + 1u;
     let degree = u32(points[control].w);
     var low = 0.0;

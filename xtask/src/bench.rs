@@ -12,7 +12,7 @@ use compare::Verdict;
 use gbuffer::{ShadeKind, Shading};
 use glam::{DQuat, DVec3};
 use pipeline::fragment::{Fragment, fragment_row};
-use pipeline::{PackedScene, Proxy, Scheme, Technique, View};
+use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Ray, Viewport};
 use serde::Serialize;
@@ -158,7 +158,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         casting[1].values.push(cast(&caster, &grazing));
         for (((model, cells, _), technique), [raster, on_gpu]) in drawn.clone().zip(&mut drawing) {
             let cameras = turning(model, viewport, usize::from(args.frames), f64::from(round));
-            let frames = Frames::new(model, technique, args.drawing.plan().scheme, *cells, &cameras, viewport)?;
+            let frames = Frames::new(model, technique, args.drawing.plan().scheme, Some(*cells), &cameras, viewport)?;
             raster.values.push(frames.on_cpu());
             if let Some(device) = &device {
                 on_gpu.values.push(frames.on_gpu(device)?);
@@ -330,19 +330,21 @@ struct Frames<'a> {
 }
 
 impl<'a> Frames<'a> {
+    /// Frames of a model tessellated into `cells` × `cells` cells a face, or else to the chord error that all commands use.
     fn new(
         model: &'a Model,
         technique: Technique,
         scheme: Scheme,
-        cells: usize,
+        cells: Option<usize>,
         cameras: &'a [Camera],
         viewport: Viewport,
     ) -> Result<Self> {
         let scene = PackedScene::new(model, scheme)?;
         let camera = cameras.first().context("a round has frames")?;
-        let proxy = match technique {
-            Technique::Fragment => Proxy::uniform(model, &scene, cells)?,
-            Technique::Exact => Proxy::hulls(model, &scene, camera, viewport)?,
+        let proxy = match (technique, cells) {
+            (Technique::Fragment, Some(cells)) => Proxy::uniform(model, &scene, cells)?,
+            (Technique::Fragment, None) => Proxy::tessellated(model, &scene, camera, viewport, DEFAULT_CHORD_PX)?,
+            (Technique::Exact, _) => Proxy::hulls(model, &scene, camera, viewport)?,
         };
         let views = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
         Ok(Self { model, technique, scene, proxy, cameras, views, viewport })

@@ -16,7 +16,7 @@ pub const ATTRIBUTE_ULPS: f64 = 16.0;
 pub const EXACT_PX: f64 = 0.01;
 
 /// Loops are followed at the point on the pixel's own ray by every technique, to this, pixels: what a face is drawn too far
-/// ([`pipeline::sight::NEAR_PX`]), and what is left of the way to that point.
+/// ([`pipeline::sight::NEAR_PX`]), what technique `exact` leaves of the way to that point, and rounding of positions.
 pub const EDGE_PX: f64 = 0.01;
 
 /// What the accuracy of interpolated parameters amounts to on each face of a model, model units.

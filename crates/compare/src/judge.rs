@@ -8,6 +8,7 @@ use crate::{Cause, CompareError, Deviation, PairReport, PixelVerdict, Sampler, S
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 use pipeline::PackedScene;
+use pipeline::sight::REACH_PX;
 use rayon::prelude::*;
 use scene::{Camera, FaceId, Model, Viewport};
 
@@ -66,7 +67,8 @@ impl<'m> Judge<'m> {
     ///    the packed face that it encloses is, up to narrowing, the model's;
     /// 2. *trim*: where the pixel's ray meets a face that loops bound, close to the candidate's (u, v), it is material, in
     ///    f64, or an edge passes within the band of f32's own classification
-    ///    ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band)) or [`Deviation::edge_px`] of the pixel's centre;
+    ///    ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band)) or [`Deviation::edge_px`] of the pixel's centre,
+    ///    and what one step of Newton's method from (u, v) leaves of the way to that ray;
     /// 3. *geometry*: S(u, v) projects to within the bound ([`Deviation::model_units`], seen there) of what the reference shows there:
     ///    of the pixel's centre, for a ray caster;
     /// 4. *visibility*: nothing that the reference sees within the bound of the centre hides that point by more than
@@ -173,40 +175,66 @@ impl<'m> Judge<'m> {
         Ok(())
     }
 
-    /// Whether an edge passes as near the pixel's centre as a renderer may mistake sides, where it shows a face.
+    /// Whether an edge passes as near the pixel's centre as a renderer may mistake sides, where it shows a face: `edge_px`,
+    /// and what one step of Newton's method leaves of the way to the pixel's ray.
     ///
     /// # Errors
     /// Where loops bound the face and it has no material there, nor so near.
-    pub(crate) fn trimming(&self, hit: &Hit, center: DVec2, edge_px: f64, bound_px: f64) -> Result<bool, Difference> {
-        let Some((place, uv, found)) = self.trim_place(hit, center) else { return Ok(false) };
-        // Close by a fold, where the ray may pass the surface by, the hit's own parameters are all that there is.
-        let radius = if found { edge_px } else { edge_px + bound_px };
-        match place {
-            Place::Material => Ok(false),
-            Place::Edge => Ok(true),
-            Place::Cut if self.edge_passes(hit.face, center, radius) => Ok(true),
-            Place::Cut => {
-                let detail = format!("face {} has no material at (u, v) = {uv}, nor within {radius:.4} px", hit.face.0);
-                Err(Difference::new(Cause::Trim, f64::INFINITY, detail))
-            }
+    pub(crate) fn trimming(&self, hit: &Hit, center: DVec2, edge_px: f64) -> Result<bool, Difference> {
+        let Some((place, uv)) = self.trim_place(hit, center) else { return Ok(false) };
+        if place == Place::Material {
+            return Ok(false);
         }
+        let radius = edge_px + self.step_leaves_px(hit.face, hit.uv, center);
+        if place == Place::Edge || self.edge_passes(hit.face, center, radius) {
+            return Ok(true);
+        }
+        let detail = format!("face {} has no material at (u, v) = {uv}, nor within {radius:.4} px", hit.face.0);
+        Err(Difference::new(Cause::Trim, f64::INFINITY, detail))
     }
 
-    /// Whether an edge of a bounded face passes within `edge_px` of a position where it is seen, or as near as its
-    /// mask may be wrong.
-    pub(crate) fn is_at_edge(&self, hit: &Hit, center: DVec2, edge_px: f64) -> bool {
-        self.trim_place(hit, center).is_some_and(|(place, ..)| place == Place::Edge)
-            || self.edge_passes(hit.face, center, edge_px)
+    /// Whether an edge of a bounded face passes as near a position where it is seen as a renderer may mistake sides that
+    /// started within `bound_px` of it.
+    pub(crate) fn is_at_edge(&self, hit: &Hit, center: DVec2, edge_px: f64, bound_px: f64) -> bool {
+        let Some((place, uv)) = self.trim_place(hit, center) else { return false };
+        let starts = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].map(|direction| {
+            let d = self.model.surface(hit.face).first_derivatives(uv.x, uv.y);
+            uv + self.parameters_of(d.s, [d.su, d.sv], bound_px * direction)
+        });
+        let leaves = |start: DVec2| self.step_leaves_px(hit.face, start, center);
+        place == Place::Edge
+            || self.edge_passes(hit.face, center, edge_px + starts.into_iter().map(leaves).fold(0.0, f64::max))
     }
 
-    /// Where the surface of a bounded face is seen at a position close to a hit, which parameters that are, and whether
-    /// they were found: else they are the hit's own.
-    fn trim_place(&self, hit: &Hit, center: DVec2) -> Option<(Place, DVec2, bool)> {
+    /// How far from position `at` the point is seen where the fragment program decides about a pixel there, when
+    /// its parameters are `uv`: one step from them, or, where that is too long, at them.
+    fn step_leaves_px(&self, face: FaceId, uv: DVec2, at: DVec2) -> f64 {
+        let surface = self.model.surface(face);
+        let [[u0, u1], [v0, v1]] = surface.domain();
+        let inside = |uv: DVec2| uv.clamp(DVec2::new(u0, v0), DVec2::new(u1, v1));
+        let uv = inside(uv);
+        let d = surface.first_derivatives(uv.x, uv.y);
+        let Some(seen) = self.picture(d.s) else { return f64::INFINITY };
+        let step = self.parameters_of(d.s, [d.su, d.sv], at - seen);
+        let pixels = self.camera.pixels_per_unit(self.viewport, self.camera.depth(d.s));
+        let far = (d.su.length() * step.x.abs()).max(d.sv.length() * step.y.abs()) * pixels;
+        let end = if far <= f64::from(REACH_PX) { inside(uv + step) } else { uv };
+        self.picture(surface.point(end.x, end.y)).map_or(f64::INFINITY, |p| p.distance(at))
+    }
+
+    /// What parameters gain on a tangent plane by an offset in the picture, pixels.
+    fn parameters_of(&self, s: DVec3, derivatives: [DVec3; 2], offset: DVec2) -> DVec2 {
+        let [a, b] = derivatives.map(|along| self.camera.picture_derivative(self.viewport, s, along));
+        DVec2::new(offset.perp_dot(b), a.perp_dot(offset)) / a.perp_dot(b)
+    }
+
+    /// Where the surface of a bounded face is seen at a position close to a hit, and which parameters that are; close by a
+    /// fold, where the ray may pass the surface by, the hit's own.
+    fn trim_place(&self, hit: &Hit, center: DVec2) -> Option<(Place, DVec2)> {
         let region = self.model.region(hit.face)?;
         let band = self.scene.frames[hit.face.0 as usize].edge_band * region.domain().size();
-        let found = self.seen_at(hit, center);
-        let uv = found.unwrap_or(hit.uv);
-        Some((trim::place(region, uv, band), uv, found.is_some()))
+        let uv = self.seen_at(hit, center).unwrap_or(hit.uv);
+        Some((trim::place(region, uv, band), uv))
     }
 
     /// Whether an edge of a bounded face is seen within `radius` pixels of a position.
@@ -236,8 +264,7 @@ impl<'m> Judge<'m> {
                 let way = (d.su * (uv.x - border.x)).abs() + (d.sv * (uv.y - border.y)).abs();
                 return Some(uv).filter(|_| way.max_element() <= farthest);
             }
-            let [a, b] = [d.su, d.sv].map(|along| self.camera.picture_derivative(self.viewport, s, along));
-            uv += DVec2::new(offset.perp_dot(b), a.perp_dot(offset)) / a.perp_dot(b);
+            uv += self.parameters_of(s, [d.su, d.sv], offset);
             if !uv.is_finite() {
                 return None;
             }

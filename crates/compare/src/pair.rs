@@ -73,7 +73,7 @@ impl Pair<'_, '_> {
         let s = self.judge.surface_point(candidate);
         let face = candidate.face.0 as usize;
         let bound_px = self.bound_of(face, s);
-        let at_edge = self.judge.trimming(candidate, center, self.deviation.edge_px, bound_px)?;
+        let at_edge = self.judge.trimming(candidate, center, self.deviation.edge_px)?;
         let shares = Shares { ambiguous: at_edge || shares.ambiguous, ..shares };
         // Along the ray: the chord on either side, what rounding of S itself was, and that of the depths compared.
         let depth = DEPTH_ULPS / (1u64 << 24) as f64 * (candidate.t.abs() + self.judge.size);
@@ -213,17 +213,21 @@ impl Pair<'_, '_> {
             (q, r) => q.is_some() != r.is_some(),
         };
         self.judge.picture(s).is_some_and(|p| p.distance(center) <= chord_px)
-            && (self.judge.is_at_edge(candidate, center, self.deviation.edge_px)
+            && (self.judge.is_at_edge(candidate, center, self.deviation.edge_px, bound_px)
                 || self.around(center, bound_px, reference.or(Some(candidate))).any(is_other))
     }
 
-    /// Whether the reference sees, at a position within the bound, past the surface of `hit`: something that `is_past` it.
+    /// Whether the reference sees, at a position within the bound, past the point of `hit`: something that `is_past` it.
     ///
-    /// Where loops bound the face, its surface must end in a fold before that position: a trim edge is no silhouette.
+    /// Where loops bound the face, and it is another one that is seen there, its surface must end in a fold before that
+    /// position: a trim edge is no silhouette.
     fn passes_by(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(Option<Hit>) -> bool) -> bool {
         let is_bounded = self.judge.model.region(hit.face).is_some();
-        self.places(center, bound, Some(hit))
-            .any(|p| is_past(self.sampler.first(p.x, p.y)) && !(is_bounded && self.judge.seen_at(hit, p).is_some()))
+        self.places(center, bound, Some(hit)).any(|p| {
+            let q = self.sampler.first(p.x, p.y);
+            let is_cut = || is_bounded && q.is_none_or(|q| q.face != hit.face) && self.judge.seen_at(hit, p).is_some();
+            is_past(q) && !is_cut()
+        })
     }
 
     /// Whether a sample shows the candidate's point: same face, same place in the picture and in depth.
@@ -283,7 +287,7 @@ impl Pair<'_, '_> {
             return true;
         }
         if self.judge.model.region(hit.face).is_some() {
-            return self.judge.is_at_edge(hit, center, self.deviation.edge_px);
+            return self.judge.is_at_edge(hit, center, self.deviation.edge_px, radius);
         }
         let surface = self.judge.model.surface(hit.face);
         let [[u0, u1], [v0, v1]] = surface.domain();

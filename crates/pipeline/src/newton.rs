@@ -33,7 +33,7 @@ use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives};
 use crate::lanes::Lanes;
 use crate::layout::PieceRecord;
-use crate::sight::{Footprint, NEAR_PX, NEARLY_SINGULAR, Sight, across, dot, is_shown, plane};
+use crate::sight::{Footprint, NEAR_PX, NEARLY_SINGULAR, Sight, across, dot, is_shown, near_px, plane};
 use fold::Queue;
 use nurbs::MAX_ORDER;
 use std::cell::Cell;
@@ -345,7 +345,8 @@ fn footprint(piece: &PieceRecord, at: &Place, uv: [f32; 2]) -> Footprint {
     let (right, up) = across(at.along_u, at.along_v);
     let extent = extent(piece);
     let gain = |gain: [f32; 2]| [0, 1].map(|k| gain[k] * extent[k]);
-    Footprint { center: uv, right: gain(right), up: gain(up), settled: true, lost: false }
+    let near_px = near_px(at.along_u, at.along_v, at.sides_squared);
+    Footprint { center: uv, right: gain(right), up: gain(up), near_px, step_squared: 0.0 }
 }
 
 /// A parameter moved into the part of the piece where seeds may stand.

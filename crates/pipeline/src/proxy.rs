@@ -116,17 +116,16 @@ impl Proxy {
         if chord_px <= 0.0 || !chord_px.is_finite() {
             return Err(ProxyError::Chord { chord_px });
         }
-        let grids = model
-            .faces()
-            .par_iter()
-            .map(|face| {
-                let surface = &model.surfaces()[face.surface];
+        let grids = (0..model.faces().len())
+            .into_par_iter()
+            .map(|id| {
+                let face = FaceId(id as u32);
+                let surface = model.surface(face);
                 let pixel = camera.pixel_at(viewport, surface.hull());
                 let lines = chord_lines(surface, chord_px * pixel);
-                if face.loops.is_empty() {
-                    Grid::plain(lines)
-                } else {
-                    Grid::with_skirts(surface, lines, (chord_px + SKIRT_PX) * pixel)
+                match model.region(face) {
+                    None => Grid::plain(lines),
+                    Some(region) => Grid::with_skirts(surface, region, lines, (chord_px + SKIRT_PX) * pixel),
                 }
             })
             .collect();
@@ -335,16 +334,20 @@ impl Grid {
         Self { columns: v.local.len(), corners, lines }
     }
 
-    /// A grid that goes on beyond the domain by at least `width` model units along the tangents, but where the border
-    /// is collapsed.
-    fn with_skirts(surface: &Surface, lines: [Lines; 2], width: f64) -> Self {
+    /// A grid that goes on beyond the sides of the domain into whose cells the region comes, by at least `width` model units
+    /// along the tangents, but where the side is collapsed.
+    fn with_skirts(surface: &Surface, region: &Region, lines: [Lines; 2], width: f64) -> Self {
         let [u, v] = &lines;
+        let (domain, hull) = (region.domain(), region.hull());
         // With the ends twice, once for the skirt: a share of the domain and whether, and to which side, to go beyond it.
-        let places = |lines: &Lines| -> Vec<(f32, f64)> {
+        let places = |lines: &Lines, axis: usize| -> Vec<(f32, f64)> {
+            let at = |line: usize| domain.min[axis] + domain.size()[axis] * f64::from(lines.local[line]);
+            let before = (hull.min[axis] <= at(1)).then_some((0.0, -1.0));
+            let after = (hull.max[axis] >= at(lines.local.len() - 2)).then_some((1.0, 1.0));
             let inside = lines.local.iter().map(|&t| (t, 0.0));
-            std::iter::once((0.0, -1.0)).chain(inside).chain([(1.0, 1.0)]).collect()
+            before.into_iter().chain(inside).chain(after).collect()
         };
-        let (rows, columns) = (places(u), places(v));
+        let (rows, columns) = (places(u, 0), places(v, 1));
         let [[u0, u1], [v0, v1]] = surface.domain();
         let corner = |(s, beyond_u): (f32, f64), (t, beyond_v): (f32, f64)| {
             let d = surface.first_derivatives(u0 + (u1 - u0) * f64::from(s), v0 + (v1 - v0) * f64::from(t));

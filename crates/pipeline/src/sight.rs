@@ -10,22 +10,23 @@
 //! coincide leave no crack between them. Of two that cover one pixel there the nearer is seen, or the one drawn first.
 
 use crate::PackedScene;
-use crate::fragment::{TangentPlane, tangent_plane};
+use crate::fragment::TangentPlane;
 use crate::layout::{BOUNDED, FaceRecord, View};
-use crate::trim;
+use crate::trim::{self, Reach};
 
 /// How far beyond its border, natural or trimmed, a face covers a pixel's centre, pixels: two that share an edge to within
 /// twice this leave no crack, whatever f32 makes of either.
 pub const NEAR_PX: f32 = 1.0 / 256.0;
 
+/// Below this sine of the angle under which a face is seen that is less, in proportion: along the surface it is nowhere more
+/// than 1/16 pixel, for so far the surface is flat.
+pub const STEEP: f32 = 1.0 / 16.0;
+
 /// The farthest that a tangent plane is followed, in pixels were it seen at a right angle.
 pub const REACH_PX: f32 = 4.0;
 
-/// A step that short, in the same pixels, is the last: what it leaves is quadratic in it.
-pub const LAST_STEP_PX: f32 = 1.0 / 8.0;
-
-/// Steps at most from where a triangle is to where the pixel's ray is.
-pub const STEPS: u32 = 4;
+/// The same for fragments of a skirt, which is narrow. A sliver's, interpolated beyond the triangle, may be anywhere.
+pub const SKIRT_STEP_PX: f32 = 0.5;
 
 /// Below this determinant, as a share of the squared columns, the columns count as nearly parallel.
 pub const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
@@ -48,10 +49,20 @@ pub struct Footprint {
     pub right: [f32; 2],
     /// The same along a pixel up.
     pub up: [f32; 2],
-    /// Whether the ray meets the plane so near S that it meets the surface there, too.
-    pub settled: bool,
-    /// Whether nothing can be known of where it meets the surface: the plane is too far from the ray, or nearly along it.
-    pub lost: bool,
+    /// How far beyond its border a face covers this pixel, pixels: [`NEAR_PX`], but less where it is seen edge-on.
+    pub near_px: f32,
+    /// How far it is from S, pixels squared, were the plane seen at a right angle; the greatest number where the ray meets it
+    /// too far away, or runs nearly along it, and the centre is S's own (u, v).
+    pub step_squared: f32,
+}
+
+impl Footprint {
+    /// The ellipse of parameters that is [`Self::near_px`] about its centre in the picture.
+    fn reach(&self) -> Reach {
+        let [a, b] = [self.right, self.up].map(|gain| gain.map(|t| t * self.near_px));
+        let metric = [a[0] * a[0] + b[0] * b[0], a[0] * a[1] + b[0] * b[1], a[1] * a[1] + b[1] * b[1]];
+        Reach { metric, extent: [metric[0].sqrt(), metric[2].sqrt()] }
+    }
 }
 
 impl Sight {
@@ -92,45 +103,34 @@ impl Sight {
         let [a, b] = [su, sv].map(|derivative| self.along([x, y, 0.0], derivative).map(|slope| slope / w));
         let (right, up) = across([a[0], a[1]], [b[0], b[1]]);
         let step = [0, 1].map(|k| -(x * right[k] + y * up[k]));
-        let far = (dot(su, su) * (step[0] * step[0])).max(dot(sv, sv) * (step[1] * step[1])) * self.squared_pixels(w);
+        let pixels = self.squared_pixels(w);
+        let [side_u, side_v] = [su, sv].map(|derivative| dot(derivative, derivative) * pixels);
+        let far = (side_u * (step[0] * step[0])).max(side_v * (step[1] * step[1]));
         let found = far <= REACH_PX * REACH_PX && (right != [0.0; 2] || up != [0.0; 2]);
         let center = if found { [uv[0] + step[0], uv[1] + step[1]] } else { uv };
-        Footprint { center, right, up, settled: found && far <= LAST_STEP_PX * LAST_STEP_PX, lost: !found }
+        let near_px = near_px([a[0], a[1]], [b[0], b[1]], side_u * side_v);
+        Footprint { center, right, up, near_px, step_squared: if found { far } else { f32::MAX } }
     }
 
-    /// The parameters that a fragment of a bounded face shows, if the face covers the pixel: those interpolated, `uv`, at
-    /// which it has the tangent plane; on a skirt those where the ray meets the surface.
-    pub fn shown(&self, scene: &PackedScene, face: u32, uv: [f32; 2], plane: &TangentPlane) -> Option<[f32; 2]> {
+    /// Whether a fragment of `face`, interpolated at `uv`, where the face has a tangent plane, covers the pixel.
+    pub fn shows(&self, scene: &PackedScene, face: u32, uv: [f32; 2], plane: &TangentPlane) -> bool {
+        let at = self.footprint(plane);
         let on_skirt = uv != plane.uv;
-        let mut at = self.footprint(plane);
-        for _ in 1..STEPS {
-            if at.settled || at.lost {
-                break;
-            }
-            at = self.footprint(&tangent_plane(scene, face, at.center));
-        }
-        let is_shown = (at.settled || !on_skirt) && is_shown(scene, &scene.faces[face as usize], &at);
-        is_shown.then_some(if on_skirt { at.center } else { uv })
+        !(on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX)
+            && is_shown(scene, &scene.faces[face as usize], &at)
     }
 }
 
-/// Whether `face` of the scene covers a pixel: it has material in the middle of the footprint, or [`NEAR_PX`] to its
-/// right, left, above or below.
-pub fn is_shown(scene: &PackedScene, face: &FaceRecord, &Footprint { center, right, up, .. }: &Footprint) -> bool {
-    if face.flags & BOUNDED == 0 || is_there(scene, face, center) {
+/// Whether `face` of the scene covers a pixel: it has material within [`Footprint::near_px`] of the middle of the footprint.
+pub fn is_shown(scene: &PackedScene, face: &FaceRecord, footprint: &Footprint) -> bool {
+    if face.flags & BOUNDED == 0 {
         return true;
     }
-    let [right, up] = [right, up].map(|gain| gain.map(|t| t * NEAR_PX));
-    let reach = [0, 1].map(|k| right[k].abs().max(up[k].abs()));
-    let at_border = (0..2).any(|k| center[k] < reach[k] || center[k] > 1.0 - reach[k]);
-    let beside = |gain: [f32; 2], sign: f32| is_there(scene, face, [0, 1].map(|k| center[k] + sign * gain[k]));
-    (at_border || trim::is_at_edge(scene, face, center, reach))
-        && (beside(right, 1.0) || beside(right, -1.0) || beside(up, 1.0) || beside(up, -1.0))
-}
-
-/// Whether local parameters are in the domain, and material.
-fn is_there(scene: &PackedScene, face: &FaceRecord, uv: [f32; 2]) -> bool {
-    uv.iter().all(|t| (0.0..=1.0).contains(t)) && trim::is_material(scene, face, uv)
+    let reach = footprint.reach();
+    let center = footprint.center;
+    let uv = center.map(|t| t.clamp(0.0, 1.0));
+    let beyond = [0, 1].map(|k| (center[k] - uv[k]).abs());
+    beyond[0] <= reach.extent[0] && beyond[1] <= reach.extent[1] && trim::is_near_material(scene, face, uv, &reach)
 }
 
 /// What two parameters gain along a pixel to the right, and along one up, where their own gains move by `a` and `b`
@@ -144,6 +144,15 @@ pub(crate) fn across(a: [f32; 2], b: [f32; 2]) -> ([f32; 2], [f32; 2]) {
     } else {
         ([0.0; 2], [0.0; 2])
     }
+}
+
+/// How far beyond its border a face covers a pixel where its parameters' gains move by `a` and `b` pixels, and would move by
+/// the square root of `sides_squared`, the one times the other, seen at a right angle.
+#[inline(always)]
+pub(crate) fn near_px(a: [f32; 2], b: [f32; 2], sides_squared: f32) -> f32 {
+    let det = (a[0] * b[1] - a[1] * b[0]).abs();
+    let steep = STEEP * sides_squared.sqrt();
+    if det < steep { NEAR_PX * (det / steep) } else { NEAR_PX }
 }
 
 #[inline(always)]

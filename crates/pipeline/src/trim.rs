@@ -16,7 +16,6 @@ mod pack;
 use crate::layout::FaceRecord;
 use crate::mask;
 use crate::pack::PackedScene;
-use std::ops::Range;
 
 /// The greatest f32 below 1: parameters at the domain's end are classified as their neighbours inside.
 pub const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -26,76 +25,113 @@ pub const BISECTIONS: u32 = 24;
 
 /// Whether `face` of the scene has material at local parameters, 0 … 1.
 pub fn is_material(scene: &PackedScene, face: &FaceRecord, uv: [f32; 2]) -> bool {
+    is_near_material(scene, face, uv, &Reach::NONE)
+}
+
+/// An ellipse of parameters: what is near a place, whatever the direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// A symmetric matrix G (uu, uv, vv): the ellipse goes as far as G n / √(n · G n) toward direction n.
+    pub metric: [f32; 3],
+    /// How far it goes in u and in v.
+    pub extent: [f32; 2],
+}
+
+impl Reach {
+    /// The place alone.
+    pub const NONE: Self = Self { metric: [0.0; 3], extent: [0.0; 2] };
+
+    /// How far it goes toward `n`.
+    #[inline]
+    fn toward(&self, n: [f32; 2]) -> [f32; 2] {
+        let [uu, uv, vv] = self.metric;
+        let g = [uu * n[0] + uv * n[1], uv * n[0] + vv * n[1]];
+        let squared = n[0] * g[0] + n[1] * g[1];
+        if squared > 0.0 { g.map(|x| x / squared.sqrt()) } else { [0.0; 2] }
+    }
+}
+
+/// Whether `face` of the scene has material within reach of local parameters, 0 … 1. Of masks, only in the middle.
+pub fn is_near_material(scene: &PackedScene, face: &FaceRecord, uv: [f32; 2], reach: &Reach) -> bool {
     if face.intervals == 0 {
         return true;
     }
     if let Some(masks) = &scene.masks {
         return mask::is_material(scene, masks, face, uv);
     }
-    locate(scene, face, uv.map(|t| t.min(BELOW_ONE))).is_some_and(|at| (at.left - at.edges.start) % 2 == 1)
-}
-
-/// Whether an edge of a face that is trimmed by its curves may be within `reach` of local parameters, in u and v: one of
-/// the two beside them is, or another interval. A texel knows of no edges.
-pub(crate) fn is_at_edge(scene: &PackedScene, face: &FaceRecord, uv: [f32; 2], reach: [f32; 2]) -> bool {
-    if face.intervals == 0 || scene.masks.is_some() {
-        return false;
-    }
-    let [u, v] = uv.map(|t| t.min(BELOW_ONE));
-    let ends = &scene.knots[face.trims as usize..][..face.intervals as usize + 1];
-    let Some(Located { interval, edges, left }) = locate(scene, face, [u, v]) else {
-        return v + reach[1] >= ends[0] && v - reach[1] < ends[face.intervals as usize];
+    let at = uv.map(|t| t.min(BELOW_ONE));
+    let here = side(scene, face, at, reach);
+    // Beyond a level edge or a corner is another interval.
+    let beyond = |sign: f32| {
+        let up = reach.toward([0.0, 1.0]);
+        side(scene, face, [0, 1].map(|k| (at[k] + sign * up[k]).min(BELOW_ONE)), &Reach::NONE).material
     };
-    v - reach[1] < ends[interval]
-        || v + reach[1] >= ends[interval + 1]
-        || (left > edges.start && u - reach[0] < scene.points[left - 1][1])
-        || (left < edges.end && u + reach[0] >= scene.points[left][0])
+    here.material
+        || (at[1] - reach.extent[1] < here.low && beyond(-1.0))
+        || (at[1] + reach.extent[1] >= here.high && beyond(1.0))
 }
 
-/// Where parameters are among a face's edges.
-struct Located {
-    /// Index of the interval that v is in.
-    interval: usize,
-    /// Its edges among the points.
-    edges: Range<usize>,
-    /// Those before this one pass on the left, the others do not.
-    left: usize,
+/// On which side of its edges a face has parameters.
+struct Side {
+    material: bool,
+    /// The interval of v that they are in, or that is beside all intervals.
+    low: f32,
+    high: f32,
 }
 
-/// Finds parameters below 1 among the edges of a face; `None` below all intervals and above them.
-fn locate(scene: &PackedScene, face: &FaceRecord, [u, v]: [f32; 2]) -> Option<Located> {
+/// Finds parameters below 1 among the edges of a face, each moved out of the material as far as `reach` goes.
+fn side(scene: &PackedScene, face: &FaceRecord, at: [f32; 2], reach: &Reach) -> Side {
     let intervals = face.intervals as usize;
     let trims = &scene.knots[face.trims as usize..][..2 * (intervals + 1)];
     let (ends, starts) = trims.split_at(intervals + 1);
-    if !(v >= ends[0] && v < ends[intervals]) {
-        return None;
+    if at[1] < ends[0] {
+        return Side { material: false, low: f32::MIN, high: ends[0] };
+    }
+    if at[1] >= ends[intervals] {
+        return Side { material: false, low: ends[intervals], high: f32::MAX };
     }
     // ends[low] ≤ v < ends[high].
     let (mut low, mut high) = (0, intervals);
     while high - low > 1 {
         let middle = (low + high) / 2;
-        if v < ends[middle] { high = middle } else { low = middle }
+        if at[1] < ends[middle] { high = middle } else { low = middle }
     }
-    let edges = starts[low] as usize..starts[low + 1] as usize;
-    let (mut left, mut right) = (edges.start, edges.end);
+    let [first, end] = [starts[low], starts[low + 1]].map(|index| index as usize);
+    // Edges before `left` pass on the left, those from `right` on do not. Two that were moved past each other are both
+    // before it or both behind: between them is material.
+    let (mut left, mut right) = (first, end);
     while left < right {
         let middle = (left + right) / 2;
-        if passes_left(&scene.points, scene.points[middle], [u, v]) { left = middle + 1 } else { right = middle }
+        let inward = if (middle - first) % 2 == 0 { 1.0 } else { -1.0 };
+        if passes_left(&scene.points, scene.points[middle], at, reach, inward) {
+            left = middle + 1;
+        } else {
+            right = middle;
+        }
     }
-    Some(Located { interval: low, edges, left })
+    Side { material: (left - first) % 2 == 1, low: ends[low], high: ends[high] }
 }
 
-/// Whether an edge, (least u, greatest u, index of its piece) in the fragment's interval, passes on the left of it.
-fn passes_left(points: &[[f32; 4]], edge: [f32; 4], at: [f32; 2]) -> bool {
-    if at[0] < edge[0] {
+/// Whether an edge, (least u, greatest u, index of its piece, 1 or −1 as u rises or falls with v) in the fragment's
+/// interval, passes on the left of it; `inward` is 1 where the material is on the edge's right, and −1 where it is on
+/// the left.
+fn passes_left(points: &[[f32; 4]], edge: [f32; 4], at: [f32; 2], reach: &Reach, inward: f32) -> bool {
+    let moved = at[0] + inward * reach.extent[0];
+    if at[0].max(moved) < edge[0] {
         return false;
     }
-    if at[0] >= edge[1] {
+    if at[0].min(moved) >= edge[1] {
         return true;
     }
     let piece = edge[2] as usize;
     let [u, v, per_u, per_v] = points[piece];
-    let (x, y) = ((at[0] - u) * per_u, (at[1] - v) * per_v);
+    // Across the piece's chord; an upright one has no extent in u.
+    let across = if per_u > 0.0 { [per_u, -edge[3] * per_v] } else { [1.0, 0.0] };
+    let shift = reach.toward(across);
+    if per_u <= 0.0 {
+        return at[0] + inward * shift[0] >= u;
+    }
+    let (x, y) = ((at[0] + inward * shift[0] - u) * per_u, (at[1] + inward * shift[1] - v) * per_v);
     let degree = points[piece + 1][3] as usize;
     let control = &points[piece + 1..piece + 2 + degree];
     let (mut low, mut high) = (0.0, 1.0);
@@ -139,6 +175,7 @@ fn point(control: &[[f32; 4]], t: f32) -> [f32; 3] {
 mod tests {
     use super::*;
     use crate::Scheme;
+    use glam::DVec2;
     use scene::FaceId;
 
     /// The side by f64 bisection of the region's own pieces, and whether an edge passes within `band`.
@@ -191,6 +228,15 @@ mod tests {
                         continue;
                     }
                     assert_eq!(is_material(&scene, face, t), expected, "{name}, face {index}, at {t:?}");
+                    // An ellipse with its longer axis in any direction, and a band that holds it.
+                    let [a, b] = [f64::from(i).sin(), f64::from(i).cos()].map(|x| x as f32 * 1e-3);
+                    let metric = [a * a + 0.01 * b * b, 0.99 * a * b, b * b + 0.01 * a * a];
+                    let reach = Reach { metric, extent: [metric[0].sqrt(), metric[2].sqrt()] };
+                    let (_, near) = by_pieces(region, frame.uv(t), DVec2::splat(1.1e-3) * size);
+                    if !near {
+                        let found = is_near_material(&scene, face, t, &reach);
+                        assert_eq!(found, expected, "{name}, face {index}, near {t:?}");
+                    }
                     tried += 1;
                     inside += usize::from(expected);
                 }

@@ -2,7 +2,7 @@
 //! lies behind. They wait for each other, since the program runs fastest on many that follow each other on a face.
 
 use crate::Rasterizer;
-use crate::depth::{DepthTile, TILE};
+use crate::depth::DepthTile;
 use pipeline::fragment::{TangentPlane, tangent_plane, tangent_planes};
 use pipeline::{BOUNDED, Sight};
 
@@ -16,8 +16,6 @@ pub struct Waiting {
     samples: Vec<Sample>,
     uv: Vec<[f32; 2]>,
     planes: Vec<TangentPlane>,
-    /// The parameters that pixels of bounded faces show, by their indices in the tile.
-    shown: Vec<[f32; 2]>,
 }
 
 /// Where a fragment would stand.
@@ -50,16 +48,10 @@ impl Waiting {
         let drawing = &raster.drawing;
         if !self.samples.is_empty() {
             tangent_planes(drawing.scene, self.face, &self.uv, &mut self.planes);
-            self.shown.resize(TILE * TILE, [0.0; 2]);
         }
         for ((&Sample { at: [x, y], depth, owner }, &uv), plane) in self.samples.iter().zip(&self.uv).zip(&self.planes)
         {
-            if !tile.passes(x, y, depth) {
-                continue;
-            }
-            let sight = Sight::new(&drawing.views[self.face as usize], [x as f32 + 0.5, y as f32 + 0.5]);
-            if let Some(uv) = sight.shown(drawing.scene, self.face, uv, plane) {
-                self.shown[tile.index(x, y)] = uv;
+            if tile.passes(x, y, depth) && covers(raster, self.face, uv, plane, [x as f32 + 0.5, y as f32 + 0.5]) {
                 tile.test(x, y, depth, owner);
             }
         }
@@ -67,20 +59,16 @@ impl Waiting {
         self.uv.clear();
         self.planes.clear();
     }
-
-    /// The parameters that a pixel shows where a bounded face is seen in it.
-    pub fn shown(&self, pixel: u16) -> [f32; 2] {
-        self.shown[usize::from(pixel)]
-    }
 }
 
-/// The parameters that a fragment of a face, interpolated at picture position `at`, shows if it is not cut away.
-pub fn shown(raster: &Rasterizer, face: u32, uv: [f32; 2], at: [f32; 2]) -> Option<[f32; 2]> {
-    if !is_bounded(raster, face) {
-        return Some(uv);
-    }
-    let scene = raster.drawing.scene;
-    Sight::new(&raster.drawing.views[face as usize], at).shown(scene, face, uv, &tangent_plane(scene, face, uv))
+/// Whether a fragment of a face, interpolated at picture position `at`, covers it: it is not cut away.
+pub fn is_drawn(raster: &Rasterizer, face: u32, uv: [f32; 2], at: [f32; 2]) -> bool {
+    !is_bounded(raster, face) || covers(raster, face, uv, &tangent_plane(raster.drawing.scene, face, uv), at)
+}
+
+fn covers(raster: &Rasterizer, face: u32, uv: [f32; 2], plane: &TangentPlane, at: [f32; 2]) -> bool {
+    let drawing = &raster.drawing;
+    Sight::new(&drawing.views[face as usize], at).shows(drawing.scene, face, uv, plane)
 }
 
 /// Whether some fragments of a face may be cut away.

@@ -82,8 +82,8 @@ impl<'a> PointSampler<'a> {
             let attributes = geometry.attributes(drawing, id);
             let normal = drawing.options.interpolated_normals.then(|| triangle.interpolate(weights, attributes.normal));
             let uv = triangle.interpolate(weights, attributes.uv);
-            let uv = cut::shown(self.raster, attributes.face, uv, [x as f32, y as f32]);
-            uv.filter(|_| depth > 0.0).map(|uv| Sample { face: attributes.face, uv, normal, depth })
+            let is_drawn = depth > 0.0 && cut::is_drawn(self.raster, attributes.face, uv, [x as f32, y as f32]);
+            is_drawn.then_some(Sample { face: attributes.face, uv, normal, depth })
         };
         let solved = |&id: &u32| {
             let (piece, triangle) = exact::far_side(self.raster, id, shift)?;

@@ -130,11 +130,10 @@ fn interpolated(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Optio
             run.face = attributes.face;
         }
         let triangle = set_up(raster, id);
-        let is_bounded = is_bounded(raster, attributes.face);
         for &pixel in seen {
             let (x, y) = position(rect, pixel);
             let weights = triangle.weights(x, y);
-            run.uv.push(if is_bounded { waiting.shown(pixel) } else { triangle.interpolate(weights, attributes.uv) });
+            run.uv.push(triangle.interpolate(weights, attributes.uv));
             if drawing.options.interpolated_normals {
                 run.normals.push(triangle.interpolate(weights, attributes.normal));
             }

@@ -66,7 +66,7 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "swapped u and v",
-        replace: &[("return fragment(in.face, in.uv);", "return fragment(in.face, in.uv.yx);")],
+        replace: &[("let f = fragment(in.face, in.uv);", "let f = fragment(in.face, in.uv.yx);")],
         scenes: &[Scene::Bicubic, Scene::ManySpans, Scene::Rational],
         cause: Cause::Parameters,
     },
@@ -129,7 +129,7 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "parameters interpolated to eight bits",
-        replace: &[("return fragment(in.face, in.uv);", "return fragment(in.face, floor(in.uv * 64.0) / 64.0);")],
+        replace: &[("let f = fragment(in.face, in.uv);", "let f = fragment(in.face, floor(in.uv * 64.0) / 64.0);")],
         scenes: SURFACES,
         cause: Cause::Interpolation,
     },
@@ -160,8 +160,8 @@ const FAULTS: &[Fault] = &[
     Fault {
         name: "fragments of some faces thrown away",
         replace: &[(
-            "return fragment(in.face, in.uv);",
-            "if (in.face % 3u == 0u) { discard; } return fragment(in.face, in.uv);",
+            "let f = fragment(in.face, in.uv);",
+            "if (in.face % 3u == 0u) { discard; } let f = fragment(in.face, in.uv);",
         )],
         scenes: &[Scene::Rational, Scene::Wave],
         cause: Cause::Coverage,
@@ -180,13 +180,13 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "non-zero for even-odd",
-        replace: &[("(at.left - at.first) % 2u == 1u", "(at.left - at.first) > 0u")],
+        replace: &[("(left - first) % 2u == 1u", "(left - first) > 0u")],
         scenes: TRIMMED,
         cause: Cause::Trim,
     },
     Fault {
         name: "material and holes exchanged",
-        replace: &[("(at.left - at.first) % 2u == 1u", "(at.left - at.first) % 2u == 0u")],
+        replace: &[("(left - first) % 2u == 1u", "(left - first) % 2u == 0u")],
         scenes: TRIMMED,
         cause: Cause::Trim,
     },
@@ -204,7 +204,10 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "edges in the wrong order",
-        replace: &[("passes_left(points[middle], at)", "passes_left(points[first + end - 1u - middle], at)")],
+        replace: &[(
+            "passes_left(points[middle], at, reach, inward)",
+            "passes_left(points[first + end - 1u - middle], at, reach, inward)",
+        )],
         scenes: TRIMMED,
         cause: Cause::Trim,
     },
@@ -218,7 +221,7 @@ const FAULTS: &[Fault] = &[
         name: "a trim decided where the triangle is, not where the ray is",
         replace: &[(
             "is_shown(faces[in.face], at)",
-            "is_shown(faces[in.face], Footprint(in.uv, at.right, at.up, true, false))",
+            "is_shown(faces[in.face], Footprint(in.uv, at.right, at.up, at.near_px, 0.0))",
         )],
         scenes: TRIMMED,
         cause: Cause::Trim,

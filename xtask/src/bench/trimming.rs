@@ -14,9 +14,6 @@ const MODEL: &str = "pieces";
 /// Faces that are set up: 7,500 curves.
 const FACES: usize = 150;
 
-/// Cells a face, where it is tessellated.
-const CELLS: usize = 10;
-
 /// The measurements, round by round.
 pub struct Trimming {
     trimmed: Model,
@@ -62,7 +59,7 @@ impl Trimming {
     ) -> Result<()> {
         let cameras = turning(&self.trimmed, viewport, frames, start);
         for (technique, [raster, on_gpu]) in &mut self.costs {
-            let of = |model| Frames::new(model, *technique, plan.scheme, CELLS, &cameras, viewport);
+            let of = |model| Frames::new(model, *technique, plan.scheme, None, &cameras, viewport);
             let [trimmed, whole] = [of(&self.trimmed)?, of(&self.whole)?];
             raster.values.push(whole.on_cpu() / trimmed.on_cpu());
             if let Some(device) = device {

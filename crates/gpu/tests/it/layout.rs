@@ -130,6 +130,8 @@ fn constants_have_the_same_values() {
         ("SHORT", newton::SHORT),
         ("NEAR_PX", sight::NEAR_PX),
         ("REACH_PX", sight::REACH_PX),
+        ("STEEP", sight::STEEP),
+        ("SKIRT_STEP_PX", sight::SKIRT_STEP_PX),
         ("LAST_BEND_PX", newton::LAST_BEND_PX),
         ("PROMISE", newton::PROMISE),
         ("INSIDE", newton::INSIDE),

@@ -64,9 +64,10 @@ impl PackedScene {
             });
             starts.push(self.points.len());
             for Edge { piece, ends: [a, b] } in &active {
-                let Rising { band, index, .. } = pieces[*piece];
+                let Rising { band, index, ref curve, .. } = pieces[*piece];
                 let (least, greatest) = (a.min(*b) - band.x, a.max(*b) + band.x);
-                self.points.push([(least as f32).next_down(), (greatest as f32).next_up(), index as f32, 0.0]);
+                let turn = if curve.end().x < curve.start().x { -1.0 } else { 1.0 };
+                self.points.push([(least as f32).next_down(), (greatest as f32).next_up(), index as f32, turn]);
             }
             if self.points.len() > GREATEST_INDEX.min(GREATEST_COUNT) {
                 return Err(PackError::TooLarge {
