@@ -39,7 +39,7 @@ fn cut(face: u32, uv: vec2<f32>) {
 fn fragment_gbuffer(in: VertexOutput) -> GBufferOutput {
     cut(in.face, in.uv);
     let f = fragment(in.face, in.uv);
-    return gbuffer_output(in.face, f);
+    return gbuffer_output(in.face, f, in.clip.xy);
 }
 
 @fragment

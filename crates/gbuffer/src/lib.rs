@@ -14,6 +14,6 @@ mod shade;
 
 pub use buffer::{GBuffer, Meta};
 pub use error::GBufferError;
-pub use hit::{Hit, PrincipalCurvatures};
+pub use hit::{EDGE_REACH_PX, Hit, PrincipalCurvatures};
 pub use picture::Picture;
 pub use shade::{ShadeInput, ShadeKind, ShadeUniform, Shading, background, shade_pixel, shade_tolerant, unorm8};

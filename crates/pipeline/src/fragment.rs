@@ -28,6 +28,9 @@ pub struct Fragment {
     pub curvature: [f32; 2],
     /// |S_u| and |S_v| in local units.
     pub speed: [f32; 2],
+    /// From the pixel's centre to the face's nearest trim edge, pixels, right and down; not set by the program itself,
+    /// which knows of no picture, but by [`crate::edge`].
+    pub edge: Option<[f32; 2]>,
 }
 
 /// Runs the program for one fragment.
@@ -156,6 +159,7 @@ impl<const N: usize> Evaluated<N> {
             status: if regular { NormalStatus::Regular } else { NormalStatus::Undefined },
             curvature,
             speed: self.speed.map(|x| x.0[i]),
+            edge: None,
         }
     }
 }

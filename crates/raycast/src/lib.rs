@@ -240,7 +240,7 @@ impl<'m> Caster<'m> {
         } else {
             (point.normal, curvature)
         };
-        Hit { face, uv, t, position: point.derivatives.s, normal, curvature }
+        Hit { face, uv, t, position: point.derivatives.s, normal, curvature, edge: None }
     }
 
     /// The faces of a body that have material at parameters `uv`, ascending.

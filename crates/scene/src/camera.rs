@@ -260,6 +260,21 @@ impl Camera {
         Some(DVec2::new(x, y))
     }
 
+    /// By how many pixels the picture of a world point moves for each unit that it moves `along`: the derivative of
+    /// [`Self::picture`], which must have the point in front of the eye.
+    pub fn picture_derivative(&self, viewport: Viewport, p_world: DVec3, along: DVec3) -> DVec2 {
+        let q = p_world - self.eye;
+        let depth = q.dot(self.forward);
+        let scale = self.pixels_per_unit(viewport, depth);
+        // Perspective: what comes nearer grows.
+        let nearer = match self.projection {
+            Projection::Perspective { .. } => along.dot(self.forward) / depth,
+            Projection::Orthographic { .. } => 0.0,
+        };
+        let across = along - nearer * q;
+        DVec2::new(across.dot(self.right), -across.dot(self.above)) * scale
+    }
+
     /// The most pixels by which the pictures of two points can differ that are `radius` model units apart, one of
     /// them at `p_world`.
     ///
@@ -341,6 +356,17 @@ mod tests {
                 };
                 assert!((ndc.z - expected).abs() < 1e-14);
             }
+        }
+    }
+
+    #[test]
+    fn the_derivative_of_the_picture_is_the_limit_of_its_differences() {
+        let viewport = Viewport::new(320, 200).unwrap();
+        for camera in cameras() {
+            let (p, along) = (DVec3::new(0.4, 0.3, 0.6), DVec3::new(0.3, -0.7, 0.5));
+            let at = |h: f64| camera.picture(viewport, p + h * along).unwrap();
+            let expected = (at(1e-5) - at(-1e-5)) / 2e-5;
+            assert!(camera.picture_derivative(viewport, p, along).distance(expected) < 1e-6 * expected.length());
         }
     }
 
