@@ -151,7 +151,7 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
     for (var k = 0u; k < CLIP_HALVINGS; k++) {
         let t = 0.5 * (start + beyond);
         let c = boundary_point(control, degree, t);
-        if (select(c.x < low.x * c.z, c.x > high.x * c.z, falls) || c.y < low.y * c.z) {
+        if (select((c.x < low.x * c.z), (c.x > high.x * c.z), falls) || c.y < low.y * c.z) {
             start = t;
         } else {
             beyond = t;
@@ -162,7 +162,7 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
     for (var k = 0u; k < CLIP_HALVINGS; k++) {
         let t = 0.5 * (within + end);
         let c = boundary_point(control, degree, t);
-        if (select(c.x > high.x * c.z, c.x < low.x * c.z, falls) || c.y > high.y * c.z) {
+        if (select((c.x > high.x * c.z), (c.x < low.x * c.z), falls) || c.y > high.y * c.z) {
             end = t;
         } else {
             within = t;

@@ -7,7 +7,7 @@ use crate::trim::{self, Place};
 use crate::{Cause, CompareError, Deviation, PairReport, PixelVerdict, Sampler, Shares, UNBOUNDED_SHARE};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
-use pipeline::PackedScene;
+use pipeline::{PackedScene, View};
 use rayon::prelude::*;
 use scene::{Camera, Model, Viewport};
 
@@ -19,6 +19,7 @@ pub struct Judge<'m> {
     /// Diagonal of the model's box.
     pub(crate) size: f64,
     pub(crate) scene: &'m PackedScene,
+    pub(crate) views: Vec<View>,
     pub(crate) unbounded_share: f64,
     pub(crate) attribution: Attribution<'m>,
 }
@@ -41,7 +42,8 @@ impl<'m> Judge<'m> {
     pub fn new(model: &'m Model, camera: &'m Camera, viewport: Viewport, scene: &'m PackedScene) -> Self {
         let size = model.hull().diagonal();
         let attribution = Attribution::new(model);
-        Self { model, camera, viewport, size, scene, unbounded_share: UNBOUNDED_SHARE, attribution }
+        let views = scene.views(model, camera, viewport);
+        Self { model, camera, viewport, size, scene, views, unbounded_share: UNBOUNDED_SHARE, attribution }
     }
 
     /// The same judge for a scene in which another share of the covered pixels may have a value without a bound.
@@ -56,7 +58,9 @@ impl<'m> Judge<'m> {
     ///    the candidate's own (u, v), where f32 leaves the span or the status of the normal open in one of them; and
     ///    the packed face that it encloses is, up to narrowing, the model's;
     /// 2. *trim*: on a trimmed face the candidate's (u, v) is material, in f64, or an edge passes within the band of
-    ///    f32's own classification ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band));
+    ///    f32's own classification ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band)); and where the candidate
+    ///    was asked for trim edges, there is one at the place that it records, none is nearer, and none is within reach
+    ///    where it records none, to within what f32 and the linear map at its own (u, v) may be off;
     /// 3. *geometry*: S(u, v) projects to within the bound ([`Deviation::model_units`], seen there) of what the reference shows there:
     ///    of the pixel's centre, for a ray caster;
     /// 4. *visibility*: nothing that the reference sees within the bound of the centre hides that point by more than

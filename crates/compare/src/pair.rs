@@ -1,5 +1,6 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
+use crate::edge::EdgeFound;
 use crate::judge::{Difference, Judge};
 use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares, trim};
 use gbuffer::{GBuffer, Hit};
@@ -25,6 +26,8 @@ pub(crate) struct Agreement {
     pub bound_px: f64,
     pub along: f64,
     pub shares: Shares,
+    /// The candidate's trim edge, where it was judged.
+    pub edge: Option<EdgeFound>,
 }
 
 /// The view of one pair of buffers.
@@ -71,6 +74,8 @@ impl Pair<'_, '_> {
     fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Difference> {
         let shares = self.judge.evaluation(candidate)?;
         let shares = Shares { ambiguous: self.judge.trimming(candidate)? || shares.ambiguous, ..shares };
+        let asked = self.candidate.has_edges();
+        let edge = if asked { self.judge.edge(candidate, center)? } else { None };
         let s = self.judge.surface_point(candidate);
         let face = candidate.face.0 as usize;
         let bound_px = self.bound_of(face, s);
@@ -90,7 +95,7 @@ impl Pair<'_, '_> {
             (Some(a), Some(b)) => a.distance(b),
             _ => f64::INFINITY,
         };
-        let agreement = Agreement { across_px, bound_px, along, shares };
+        let agreement = Agreement { across_px, bound_px, along, shares, edge };
         if same.is_some() && across_px <= bound_px {
             return Ok(agreement);
         }

@@ -16,6 +16,7 @@
 //!
 //! A root is a hit of the faces of its surface that have material there ([`Classifier`]); the others are trimmed away.
 
+mod edge;
 mod line;
 mod pieces;
 mod roots;
@@ -44,6 +45,7 @@ pub struct Caster<'m> {
     tree: Tree,
     /// Of the faces that are trimmed.
     classifiers: Vec<Option<Classifier>>,
+    edges: bool,
 }
 
 /// What is first on a ray.
@@ -107,7 +109,12 @@ impl<'m> Caster<'m> {
         let tree = Tree::new(&pieces);
         let region = |id: usize| model.trimmed_region(FaceId(id as u32));
         let classifiers = (0..model.faces().len()).into_par_iter().map(|id| region(id).map(Classifier::new)).collect();
-        Self { model, pieces, tree, classifiers }
+        Self { model, pieces, tree, classifiers, edges: false }
+    }
+
+    /// The same, by which [`Self::render`] enters the trim edge that passes by each pixel, or (`false`) does not.
+    pub fn with_edges(self, edges: bool) -> Self {
+        Self { edges, ..self }
     }
 
     /// Number of pieces that the surfaces were cut into.
@@ -206,7 +213,9 @@ impl<'m> Caster<'m> {
                 .map(|x| {
                     let cast = self.first(&camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5));
                     doubts.extend(cast.undecided.map(|_| (x, y)));
-                    cast.hit
+                    let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                    let edge = |hit: &Hit| self.edge(hit, camera, viewport, center);
+                    cast.hit.map(|hit| Hit { edge: self.edges.then(|| edge(&hit)).flatten(), ..hit })
                 })
                 .collect();
             progress(1);
@@ -219,7 +228,7 @@ impl<'m> Caster<'m> {
             rows
         });
         let buffer = GBuffer::from_rows(viewport, Meta::new("raycast", "rays", self.model, camera), rows);
-        buffer.with_undecided(undecided.into_inner())
+        buffer.with_undecided(undecided.into_inner()).with_edges(self.edges)
     }
 
     /// The hit of a face at parameters `uv` and distance `t`: position, normal and curvature by `Surface::inspect`.
