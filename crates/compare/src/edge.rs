@@ -82,11 +82,10 @@ impl Judge<'_> {
             };
         }
         let band = self.edge_band_px(hit, region, &about);
-        let bent = about.greatest_bend(&parts);
-        // The program goes by its linear map, which shows the nearest place and the one that it takes by so much elsewhere.
-        let nearest = about.least(&parts, |uv| about.true_offset(uv).length() + about.bend(uv));
-        let bound = band + bent + CHORDS_PX;
+        // The program goes by its linear map, which shows the nearest place by so much elsewhere, and the one that it takes.
+        let (nearest, _) = about.least(&parts, |uv| about.true_offset(uv).length() + about.bend(uv));
         let Some(edge) = hit.edge else {
+            let bound = band + about.greatest_bend(&parts) + CHORDS_PX;
             return if EDGE_REACH_PX <= nearest + bound {
                 Ok(None)
             } else {
@@ -94,7 +93,8 @@ impl Judge<'_> {
                 wrong(missed / bound, format!("no edge, and one passes within {nearest:.5} px; bound {bound:.5}"))
             };
         };
-        let aside = about.least(&parts, |uv| about.true_offset(uv).distance(edge));
+        let (aside, place) = about.least(&parts, |uv| about.true_offset(uv).distance(edge));
+        let bound = band + about.bend(place) + CHORDS_PX;
         let farther = edge.length() - nearest.min(EDGE_REACH_PX);
         if aside > band || !aside.is_finite() {
             return wrong(aside / band, format!("no edge at {edge} px but {aside:.5} px aside; bound {band:.5}"));
@@ -201,9 +201,10 @@ impl About<'_> {
         near.map(|uv| self.bend(uv)).fold(0.0, f64::max)
     }
 
-    /// The least of a function of (u, v) on the parts.
-    fn least(&self, parts: &[Part], of: impl Fn(DVec2) -> f64) -> f64 {
-        parts.iter().map(|part| part.least(&of)).fold(f64::INFINITY, f64::min)
+    /// The least of a function of (u, v) on the parts, of which there are some, and where it is.
+    fn least(&self, parts: &[Part], of: impl Fn(DVec2) -> f64) -> (f64, DVec2) {
+        let all = parts.iter().map(|part| part.least(&of));
+        all.min_by(|a, b| a.0.total_cmp(&b.0)).expect("there is a part")
     }
 }
 
@@ -214,14 +215,16 @@ impl Part<'_> {
     }
 
     /// The least of a function about each sample that is less than its neighbours, by ternary search.
-    fn least(&self, of: &impl Fn(DVec2) -> f64) -> f64 {
+    fn least(&self, of: &impl Fn(DVec2) -> f64) -> (f64, DVec2) {
         let at = |t: f64| of(self.curve.point(t));
         let places: Vec<f64> = self.places().collect();
         let values: Vec<f64> = places.iter().map(|&t| at(t)).collect();
-        let mut least = f64::INFINITY;
+        let mut least = (values[0], places[0]);
         for i in 0..=SAMPLES {
             let [before, after] = [i.saturating_sub(1), (i + 1).min(SAMPLES)];
-            least = least.min(values[i]);
+            if values[i] < least.0 {
+                least = (values[i], places[i]);
+            }
             if values[before] < values[i] || values[after] < values[i] {
                 continue;
             }
@@ -230,10 +233,14 @@ impl Part<'_> {
                 let third = (high - low) / 3.0;
                 let [a, b] = [low + third, high - third];
                 let [at_a, at_b] = [at(a), at(b)];
-                least = least.min(at_a).min(at_b);
+                for (value, t) in [(at_a, a), (at_b, b)] {
+                    if value < least.0 {
+                        least = (value, t);
+                    }
+                }
                 if at_a < at_b { high = b } else { low = a }
             }
         }
-        least
+        (least.0, self.curve.point(least.1))
     }
 }
