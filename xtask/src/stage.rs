@@ -70,7 +70,9 @@ impl Plan {
             (Trimming::Exact, Antialias::None) => PackedScene::new(model, self.scheme)?,
             (Trimming::Exact, Antialias::Trims) => PackedScene::with_edges(model, self.scheme)?,
             (Trimming::Texture(_), Antialias::Trims) => {
-                bail!("--antialias trims measures distances to trim curves, and --trim texture has masks instead of them")
+                bail!(
+                    "--antialias trims measures distances to trim curves, and --trim texture has masks instead of them"
+                )
             }
             (Trimming::Texture(options), Antialias::None) => {
                 let masks = Masks::new(MaskPlan::new(model, camera, viewport, options)?, options.fill);

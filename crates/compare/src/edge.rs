@@ -1,7 +1,7 @@
 //! Whether a hit's trim edge is where the picture has it: in f64, by the region's monotone pieces and the camera itself.
 
-use crate::judge::{Difference, Judge};
 use crate::Cause;
+use crate::judge::{Difference, Judge};
 use gbuffer::{EDGE_REACH_PX, Hit};
 use glam::{DMat2, DVec2};
 use nurbs::{BezierCurve, Surface};
@@ -100,7 +100,10 @@ impl Judge<'_> {
             return wrong(aside / band, format!("no edge at {edge} px but {aside:.5} px aside; bound {band:.5}"));
         }
         if farther > bound {
-            return wrong(farther / bound, format!("an edge at {edge} px, and one within {nearest:.5}; bound {bound:.5}"));
+            return wrong(
+                farther / bound,
+                format!("an edge at {edge} px, and one within {nearest:.5}; bound {bound:.5}"),
+            );
         }
         Ok(Some(EdgeFound { off_px: aside.max(farther), bound_px: bound }))
     }
@@ -124,9 +127,10 @@ impl Judge<'_> {
         let size = frame.edge_band * region.domain().size();
         let curves = size.x * about.slopes.x_axis.length() + size.y * about.slopes.y_axis.length();
         let enclosures = enclose(self.scene, hit.face.0, frame.parameters(hit.uv), false);
-        let widths = enclosures.iter().filter_map(|e| e.position).map(|s| {
-            s.iter().map(|x| (x.half_width + x.packing).powi(2)).sum::<f64>().sqrt() * frame.scale
-        });
+        let widths = enclosures
+            .iter()
+            .filter_map(|e| e.position)
+            .map(|s| s.iter().map(|x| (x.half_width + x.packing).powi(2)).sum::<f64>().sqrt() * frame.scale);
         let s = self.surface_point(hit);
         let rounded = self.camera.pixels_within(self.viewport, s, widths.fold(0.0, f64::max));
         let m = &self.views[hit.face.0 as usize].clip_from_local;
@@ -184,7 +188,11 @@ impl About<'_> {
                 let (mut inside, mut last) = (0.0, 1.0);
                 for _ in 0..HALVINGS {
                     let t = 0.5 * (first + within);
-                    if passed(t, false) { first = t } else { within = t }
+                    if passed(t, false) {
+                        first = t
+                    } else {
+                        within = t
+                    }
                     let t = 0.5 * (inside + last);
                     if passed(t, true) { last = t } else { inside = t }
                 }

@@ -98,9 +98,8 @@ impl GBuffer {
                 rgb.push(match parts[..] {
                     [([x, y], _)] => picture.pixel(x, y),
                     _ => [0, 1, 2].map(|channel| {
-                        let of = |&([x, y], part): &(Place, f64)| {
-                            part * light[usize::from(picture.pixel(x, y)[channel])]
-                        };
+                        let of =
+                            |&([x, y], part): &(Place, f64)| part * light[usize::from(picture.pixel(x, y)[channel])];
                         encoded(parts.iter().map(of).sum())
                     }),
                 });

@@ -121,10 +121,7 @@ fn seen(scene: &PackedScene, view: &View, f: &FaceRecord, uv: [f32; 2], at: [f32
     let half = [view.units[1], view.units[2]];
     let along = |derivative: [f32; 3]| {
         let slope = direction(derivative, 3);
-        [
-            (direction(derivative, 0) - x * slope) / w * half[0],
-            -((direction(derivative, 1) - y * slope) / w * half[1]),
-        ]
+        [(direction(derivative, 0) - x * slope) / w * half[0], -((direction(derivative, 1) - y * slope) / w * half[1])]
     };
     Some(Seen {
         offset: [half[0] * x + (half[0] - at[0]), half[1] - at[1] - half[1] * y],

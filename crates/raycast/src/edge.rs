@@ -1,17 +1,18 @@
 //! Where a trim edge passes by a pixel's centre: in f64, from the unsplit loops, in the picture itself.
 //!
-//! The picture about a point of the edge is nearly a linear map of (u, v). The nearest place by that map is looked for, the
-//! map is made anew there, and so on until the place stays: then it is the nearest in the picture and not by a map.
+//! The picture about a point is nearly a linear map of (u, v). The nearest place by the map at the hit is looked for, the
+//! map is made anew there, and so on until the place stays; the nearest of all these in the picture itself is the answer.
 
+use crate::Caster;
 use crate::trim::PictureMap;
-use crate::{Caster, Classifier};
 use gbuffer::{EDGE_REACH_PX, Hit};
 use glam::{DMat2, DVec2};
 use nurbs::Surface;
 use scene::{Camera, Viewport};
 
-/// How far the first map looks, pixels: the nearest place may come nearer when the map is made anew.
-const FIRST_REACH_PX: f64 = 2.0 * EDGE_REACH_PX;
+/// How far maps look, and how far off by the first one a place may be, pixels: it may come nearer when the map is made anew;
+/// what is farther is on another sheet of the surface.
+const MAP_REACH_PX: f64 = 2.0 * EDGE_REACH_PX;
 
 /// Maps at most; each squares the error of the last but at a cusp.
 const MAPS: usize = 12;
@@ -28,29 +29,22 @@ impl Caster<'_> {
     pub(crate) fn edge(&self, hit: &Hit, camera: &Camera, viewport: Viewport, center: DVec2) -> Option<DVec2> {
         let classifier = self.classifiers[hit.face.0 as usize].as_ref()?;
         let surface = self.model.surface(hit.face);
-        let map = |uv: DVec2| map(surface, camera, viewport, center, uv);
-        let (mut uv, mut offset) = step(classifier, &map(hit.uv)?, FIRST_REACH_PX, &map)?;
+        let first = map(surface, camera, viewport, center, hit.uv)?;
+        let mut next = classifier.nearest_edge(&first, MAP_REACH_PX);
+        let mut nearest: Option<DVec2> = None;
         for _ in 0..MAPS {
-            let (next, next_offset) = step(classifier, &map(uv)?, FIRST_REACH_PX, &map)?;
-            let moved = next_offset.distance(offset);
-            (uv, offset) = (next, next_offset);
-            if moved <= STILL_PX {
+            let Some(uv) = next.filter(|uv| first.at(*uv).length() <= MAP_REACH_PX) else { break };
+            let Some(here) = map(surface, camera, viewport, center, uv) else { break };
+            if nearest.is_none_or(|nearest| here.offset.length() < nearest.length()) {
+                nearest = Some(here.offset);
+            }
+            next = classifier.nearest_edge(&here, MAP_REACH_PX);
+            if next.is_some_and(|uv| here.at(uv).distance(here.offset) <= STILL_PX) {
                 break;
             }
         }
-        (offset.length() <= EDGE_REACH_PX).then_some(offset)
+        nearest.filter(|offset| offset.length() <= EDGE_REACH_PX)
     }
-}
-
-/// The place that is nearest by a map, and its offset in the picture.
-fn step(
-    classifier: &Classifier,
-    by: &PictureMap,
-    reach: f64,
-    map: &impl Fn(DVec2) -> Option<PictureMap>,
-) -> Option<(DVec2, DVec2)> {
-    let uv = classifier.nearest_edge(by, reach)?;
-    Some((uv, map(uv)?.offset))
 }
 
 /// The picture about a point as a linear map; `None` where the point is behind the eye.

@@ -33,7 +33,7 @@ use roots::{Found, Search};
 use scene::{Camera, FaceId, Model, Ray, Viewport};
 use std::cell::RefCell;
 use tree::Tree;
-pub use trim::{Classifier, Side};
+pub use trim::{Classifier, PictureMap, Side};
 
 /// Rows of a picture that are cast together, so that only these rows' hits are held twice.
 const BAND: usize = 64;

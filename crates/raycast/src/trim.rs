@@ -48,7 +48,8 @@ pub struct PictureMap {
 }
 
 impl PictureMap {
-    fn at(&self, uv: DVec2) -> DVec2 {
+    /// Where the map has a point.
+    pub(crate) fn at(&self, uv: DVec2) -> DVec2 {
         self.offset + self.slopes * (uv - self.uv)
     }
 }
