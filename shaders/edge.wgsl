@@ -2,6 +2,8 @@
 // for edges.
 
 const REACH_PX: f32 = 1.0;
+const MAP_REACH_PX: f32 = 2.0;
+const MAPS: u32 = 2u;
 const EDGE_SEEN_EDGE_ON: f32 = 1.0 / 65536.0;
 const CLIP_HALVINGS: u32 = 12u;
 const CHORDS: u32 = 8u;
@@ -20,6 +22,7 @@ struct EdgeSeen {
 }
 
 struct EdgeMap {
+    sound: bool,
     center: vec2<f32>,
     along_u: vec2<f32>,
     along_v: vec2<f32>,
@@ -45,35 +48,54 @@ fn edge(face_id: u32, uv: vec2<f32>, at: vec2<f32>) -> u32 {
         return 0u;
     }
     let view = views[face_id];
-    let here = edge_seen(view, face, uv, at);
-    if (here.behind) {
-        return 0u;
+    var here = edge_seen(view, face, uv, at);
+    let first = edge_map(here, uv);
+    var by = first;
+    var word = 0u;
+    var squared = REACH_PX * REACH_PX;
+    for (var k = 0u; k < MAPS; k++) {
+        if (!by.sound) {
+            break;
+        }
+        let foot = edge_nearest(face, by);
+        // What the first map has farther away is on another sheet of the surface.
+        if (!foot.found || edge_squared(first, foot.uv) > MAP_REACH_PX * MAP_REACH_PX) {
+            break;
+        }
+        here = edge_seen(view, face, foot.uv, at);
+        let x = here.offset.x;
+        let y = here.offset.y;
+        if (!here.behind && x * x + y * y <= squared) {
+            squared = x * x + y * y;
+            word = edge_packed(here.offset);
+        }
+        by = edge_map(here, foot.uv);
     }
+    return word;
+}
+
+fn edge_map(here: EdgeSeen, uv: vec2<f32>) -> EdgeMap {
     let a = here.along_u;
     let b = here.along_v;
     let o = here.offset;
     let det = a.x * b.y - a.y * b.x;
     let aa = a.x * a.x + a.y * a.y;
     let bb = b.x * b.x + b.y * b.y;
-    if (det * det <= (EDGE_SEEN_EDGE_ON * EDGE_SEEN_EDGE_ON) * aa * bb) {
-        return 0u;
-    }
     var map: EdgeMap;
+    map.sound = !here.behind && det * det > (EDGE_SEEN_EDGE_ON * EDGE_SEEN_EDGE_ON) * aa * bb;
     map.center = vec2<f32>(uv.x - (b.y * o.x - b.x * o.y) / det, uv.y - (a.x * o.y - a.y * o.x) / det);
     map.along_u = a;
     map.along_v = b;
     map.extent = vec2<f32>(sqrt(bb) / abs(det), sqrt(aa) / abs(det));
-    let foot = edge_nearest(face, map);
-    if (!foot.found) {
-        return 0u;
-    }
-    let there = edge_seen(view, face, foot.uv, at);
-    let x = there.offset.x;
-    let y = there.offset.y;
-    if (there.behind || !(x * x + y * y <= REACH_PX * REACH_PX)) {
-        return 0u;
-    }
-    return edge_packed(there.offset);
+    return map;
+}
+
+// The squared distance that a map gives a point from the pixel's centre.
+fn edge_squared(map: EdgeMap, uv: vec2<f32>) -> f32 {
+    let away = uv - map.center;
+    let x = away.x * map.along_u.x + away.y * map.along_v.x;
+    let y = away.x * map.along_u.y + away.y * map.along_v.y;
+    return x * x + y * y;
 }
 
 fn edge_direction(m: mat4x4<f32>, x: vec3<f32>, k: u32) -> f32 {
@@ -114,7 +136,7 @@ fn edge_nearest(face: FaceRecord, map: EdgeMap) -> EdgeFoot {
     let tree = face.trims + 2u * (face.intervals + 1u);
     var node = u32(knots[tree]);
     let end = u32(knots[tree + 1u]);
-    var best = EdgeFoot(false, vec2<f32>(), REACH_PX * REACH_PX);
+    var best = EdgeFoot(false, vec2<f32>(), MAP_REACH_PX * MAP_REACH_PX);
     while (node < end) {
         let hull = points[node];
         let link = points[node + 1u];

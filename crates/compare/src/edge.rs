@@ -82,10 +82,12 @@ impl Judge<'_> {
             };
         }
         let band = self.edge_band_px(hit, region, &about);
-        // The program goes by its linear map, which shows the nearest place by so much elsewhere, and the one that it takes.
+        // By its linear map the program finds some place; in the picture that is farther off the centre by the map's error
+        // there than by the map, and the nearest place was nearer by the map's error at that.
         let (nearest, _) = about.least(&parts, |uv| about.true_offset(uv).length() + about.bend(uv));
+        let (by_map, _) = about.least(&parts, |uv| about.linear_offset(uv).length());
+        let bound = band + CHORDS_PX + about.greatest_bend(&parts, by_map + band + CHORDS_PX);
         let Some(edge) = hit.edge else {
-            let bound = band + about.greatest_bend(&parts) + CHORDS_PX;
             return if EDGE_REACH_PX <= nearest + bound {
                 Ok(None)
             } else {
@@ -93,8 +95,7 @@ impl Judge<'_> {
                 wrong(missed / bound, format!("no edge, and one passes within {nearest:.5} px; bound {bound:.5}"))
             };
         };
-        let (aside, place) = about.least(&parts, |uv| about.true_offset(uv).distance(edge));
-        let bound = band + about.bend(place) + CHORDS_PX;
+        let (aside, _) = about.least(&parts, |uv| about.true_offset(uv).distance(edge));
         let farther = edge.length() - nearest.min(EDGE_REACH_PX);
         if aside > band || !aside.is_finite() {
             return wrong(aside / band, format!("no edge at {edge} px but {aside:.5} px aside; bound {band:.5}"));
@@ -202,10 +203,10 @@ impl About<'_> {
         region.edges().filter_map(|piece| part(&piece.curve)).collect()
     }
 
-    /// The most by which the linear map is off an edge that it shows within reach.
-    fn greatest_bend(&self, parts: &[Part]) -> f64 {
+    /// The most by which the linear map is off an edge that it shows within `reach` pixels.
+    fn greatest_bend(&self, parts: &[Part], reach: f64) -> f64 {
         let places = parts.iter().flat_map(|part| part.places().map(|t| part.curve.point(t)));
-        let near = places.filter(|uv| self.linear_offset(*uv).length() <= EDGE_REACH_PX);
+        let near = places.filter(|uv| self.linear_offset(*uv).length() <= reach);
         near.map(|uv| self.bend(uv)).fold(0.0, f64::max)
     }
 

@@ -5,7 +5,8 @@
 //! S and its derivatives, and so what a step in (u, v) is in the picture. Through that linear map it sees the edges of its
 //! face around the pixel's centre: a box tree leads to the pieces that come within reach, a bisection to the part
 //! of each that does (it is monotone), and chords, shorter from round to round, to its nearest place. S is evaluated once
-//! more there, so that the edge is recorded where the picture has it and not where the linear map does.
+//! more there, so that the edge is recorded where the picture has it and not where the linear map does; and as the
+//! derivatives there make a better map, all is done once more ([`MAPS`]).
 //!
 //! All of the boundary counts at which the face ends as it is seen ([`scene::Region::edges`]), level pieces and loops
 //! smaller than a pixel as any others; of two edges the nearer. What the fragment does not see is an edge of its face on
@@ -14,7 +15,7 @@
 //!
 //! # Accuracy
 //! The place is on the edge to [`PackedFrame::edge_band`](crate::PackedFrame::edge_band) and the rounding of S and of its
-//! picture. It is the nearest as far as S is linear about the pixel, over [`REACH_PX`], and as far as the first chords tell
+//! picture. It is the nearest as far as the first map shows the nearest where the picture has it, and as far as the first chords tell
 //! pieces apart that bend within a pixel: `compare` states and measures both. Nothing is found where the face is seen
 //! edge-on ([`EDGE_ON`]).
 
@@ -33,6 +34,14 @@ use nurbs::MAX_ORDER;
 /// A straight edge farther than √½ leaves all of the pixel to its face; what spills over from the neighbour across comes
 /// from no farther than 1.
 pub const REACH_PX: f32 = 1.0;
+
+/// How far a linear map looks for edges, pixels, and how far off by the first an edge may be: what is nearer in the picture
+/// may be farther by the map.
+pub const MAP_REACH_PX: f32 = 2.0;
+
+/// Linear maps: that at the fragment, and one more where the first shows the nearest place. The nearer of the two places
+/// in the picture is recorded.
+pub const MAPS: u32 = 2;
 
 /// Below this sine of the angle between the pictures of S_u and S_v a step in the picture is none in (u, v).
 pub const EDGE_ON: f32 = 1.0 / 65536.0;
@@ -101,10 +110,38 @@ pub fn edge(scene: &PackedScene, view: &View, face: u32, uv: [f32; 2], at: [f32;
     if !scene.edges || f.intervals == 0 {
         return None;
     }
-    let map = map(&seen(scene, view, f, uv, at)?, uv)?;
-    let foot = nearest(scene, f, &map)?;
-    let [x, y] = seen(scene, view, f, foot.uv, at)?.offset;
-    (x * x + y * y <= REACH_PX * REACH_PX).then_some([x, y])
+    let (mut here, mut place) = (seen(scene, view, f, uv, at)?, uv);
+    let first = map(&here, place)?;
+    let mut by = first;
+    let mut best = None;
+    let mut squared = REACH_PX * REACH_PX;
+    for _ in 0..MAPS {
+        let Some(foot) = nearest(scene, f, &by) else { break };
+        // What the first map has farther away is on another sheet of the surface.
+        if first.squared(foot.uv) > MAP_REACH_PX * MAP_REACH_PX {
+            break;
+        }
+        place = foot.uv;
+        let Some(there) = seen(scene, view, f, place, at) else { break };
+        here = there;
+        let [x, y] = here.offset;
+        if x * x + y * y <= squared {
+            squared = x * x + y * y;
+            best = Some(here.offset);
+        }
+        let Some(next) = map(&here, place) else { break };
+        by = next;
+    }
+    best
+}
+
+impl Map {
+    /// The squared distance that the map gives a point from the pixel's centre.
+    fn squared(&self, uv: [f32; 2]) -> f32 {
+        let [u, v] = [uv[0] - self.center[0], uv[1] - self.center[1]];
+        let [x, y] = [u * self.along_u[0] + v * self.along_v[0], u * self.along_u[1] + v * self.along_v[1]];
+        x * x + y * y
+    }
 }
 
 /// S at local parameters as the picture shows it about `at`; `None` behind the eye.
@@ -171,12 +208,12 @@ fn map(seen: &Seen, uv: [f32; 2]) -> Option<Map> {
     })
 }
 
-/// The nearest place of the face's edges as the linear map has them, within [`REACH_PX`].
+/// The nearest place of the face's edges as the linear map has them, within [`MAP_REACH_PX`].
 fn nearest(scene: &PackedScene, f: &FaceRecord, map: &Map) -> Option<Foot> {
     let tree = (f.trims + 2 * (f.intervals + 1)) as usize;
     let (mut node, end) = (scene.knots[tree] as usize, scene.knots[tree + 1] as usize);
     let mut best = None;
-    let mut squared = REACH_PX * REACH_PX;
+    let mut squared = MAP_REACH_PX * MAP_REACH_PX;
     while node < end {
         let hull = scene.points[node];
         let link = scene.points[node + 1];
