@@ -382,6 +382,8 @@ fn illegal_values_are_named_with_their_pixel() {
         ("k1", 4, 8, &f64::INFINITY.to_le_bytes(), 4),
         ("k2", 4, 8, &f64::NAN.to_le_bytes(), 4),
         ("k2", 6, 8, &1f64.to_le_bytes(), 6),
+        ("edge", 9, 16, &f64::NAN.to_le_bytes(), 9),
+        ("edge", 9, 16, &f64::INFINITY.to_le_bytes(), 9),
         ("undecided", 0, 1, &[9], 0),
     ];
     for &(member, pixel, size, element, seen) in cases {
@@ -392,6 +394,14 @@ fn illegal_values_are_named_with_their_pixel() {
             "{member} at {pixel}: {error}"
         );
     }
+}
+
+#[test]
+fn a_buffer_that_was_not_asked_for_edges_says_so_by_having_no_such_array() {
+    let without = sample().with_edges(false);
+    let back = read("without-edges.npz", &without.npz_bytes().unwrap()).unwrap();
+    assert!(!back.has_edges() && back.pixels().flatten().all(|hit| hit.edge.is_none()));
+    assert!(sample().has_edges() && sample().get(4, 1).unwrap().edge.is_some());
 }
 
 #[test]
