@@ -7,7 +7,7 @@ const MAPS: u32 = 2u;
 const EDGE_SEEN_EDGE_ON: f32 = 1.0 / 65536.0;
 const CLIP_HALVINGS: u32 = 12u;
 const CHORDS: u32 = 8u;
-const ROUNDS: u32 = 4u;
+const ROUNDS: u32 = 5u;
 const FINE_CHORD_PX: f32 = 1.0 / 32.0;
 const STEPS: f32 = 16383.0;
 const MIDDLE: f32 = 16384.0;
@@ -196,6 +196,8 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
     let along_y = map.along_v * size.y;
     let from_corner = box.xy - map.center;
     let corner = from_corner.x * map.along_u + from_corner.y * map.along_v;
+    let least = start;
+    let greatest = end;
     var squared = GREATEST_SQUARED;
     var nearest = start;
     for (var round = 0u; round < ROUNDS; round++) {
@@ -210,9 +212,10 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
             if (chord.squared < squared) {
                 squared = chord.squared;
                 length_squared = chord.length_squared;
-                start = base + step * f32(i);
-                end = start + step;
-                nearest = start + step * chord.share;
+                // Half of the chord before and of the one behind: the arc may be nearest beside its nearest chord.
+                start = max(base + step * (f32(i) - 0.5), least);
+                end = min(base + step * (f32(i) + 1.5), greatest);
+                nearest = base + step * (f32(i) + chord.share);
             }
             from_place = to_place;
         }

@@ -21,9 +21,11 @@ const SAMPLES: usize = 48;
 /// Thirds of the way between such places that are cut off, one after the other.
 const SECTIONS: u32 = 40;
 
-/// What choosing among the first eight chords of a piece may cost that bends within a pixel, pixels: of an arc of radius r
-/// that the pixel's reach cuts to 2 or less, a chord is ¼ long and off it by 1 / (128 r), which is this from r = ¼ on;
-/// below, chords are shorter by as much as the arc is.
+/// What choosing among the first eight chords of a piece may cost that bends within a pixel, pixels.
+///
+/// Of an arc of radius r the program's reach holds a length of 4 at most, and a monotone piece a quarter turn: the first
+/// chords are as long as ½ or π r / 16 and off the arc by 1 / 32 r or π² r / 2048, of which the lesser is below 1/64 for
+/// any r. As much again is for maps that shear.
 const CHORDS_PX: f64 = 1.0 / 32.0;
 
 /// Roundings of a picture position, in units of 2⁻²⁴ of what its sums add up: narrowing of the matrix, four products
@@ -85,8 +87,9 @@ impl Judge<'_> {
         // By its linear map the program finds some place; in the picture that is farther off the centre by the map's error
         // there than by the map, and the nearest place was nearer by the map's error at that.
         let (nearest, _) = about.least(&parts, |uv| about.true_offset(uv).length() + about.bend(uv));
-        let (by_map, _) = about.least(&parts, |uv| about.linear_offset(uv).length());
-        let bound = band + CHORDS_PX + about.greatest_bend(&parts, by_map + band + CHORDS_PX);
+        let (by_map, place) = about.least(&parts, |uv| about.linear_offset(uv).length());
+        let bent = about.greatest_bend(&parts, by_map + band + CHORDS_PX).max(about.bend(place));
+        let bound = band + CHORDS_PX + bent;
         let Some(edge) = hit.edge else {
             return if EDGE_REACH_PX <= nearest + bound {
                 Ok(None)

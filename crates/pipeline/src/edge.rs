@@ -52,8 +52,8 @@ pub const CLIP_HALVINGS: u32 = 12;
 /// Chords of a round.
 pub const CHORDS: u32 = 8;
 
-/// Rounds at most: the last chord is 1/4096 of the part within reach.
-pub const ROUNDS: u32 = 4;
+/// Rounds at most: the last chord is 1/2048 of the part within reach.
+pub const ROUNDS: u32 = 5;
 
 /// No further round where the chord is shorter than this, pixels: an arc of radius r is within 2⁻¹³ / r of it.
 pub const FINE_PX: f32 = 1.0 / 32.0;
@@ -276,6 +276,7 @@ fn nearest_on_piece(points: &[[f32; 4]], piece: usize, map: &Map, reach: [f32; 4
         let (x, y) = (c[0] / c[2], c[1] / c[2]);
         [corner[0] + (x * along_x[0] + y * along_y[0]), corner[1] + (x * along_x[1] + y * along_y[1])]
     };
+    let (least, greatest) = (start, end);
     let mut squared = f32::MAX;
     let mut t = start;
     for _ in 0..ROUNDS {
@@ -290,9 +291,10 @@ fn nearest_on_piece(points: &[[f32; 4]], piece: usize, map: &Map, reach: [f32; 4
             if chord.squared < squared {
                 squared = chord.squared;
                 length_squared = chord.length_squared;
-                start = first + step * i as f32;
-                end = start + step;
-                t = start + step * chord.share;
+                // Half of the chord before and of the one behind: the arc may be nearest beside its nearest chord.
+                start = (first + step * (i as f32 - 0.5)).max(least);
+                end = (first + step * (i as f32 + 1.5)).min(greatest);
+                t = first + step * (i as f32 + chord.share);
             }
             from = to;
         }

@@ -206,15 +206,18 @@ fn the_program_in_wgsl_records_the_edge_of_the_program_in_rust() {
     }
 }
 
+/// What is made of an edge.
+type Change = fn(DVec2) -> Option<DVec2>;
+
 /// A buffer with its edges changed, and how many are.
-fn changed(buffer: &GBuffer, change: impl Fn(DVec2) -> Option<DVec2>) -> (GBuffer, usize) {
+fn changed(buffer: &GBuffer, change: Change) -> (GBuffer, usize) {
     let mut count = 0;
     let mut each = |hit: Option<&Hit>| {
         hit.map(|hit| {
             // Where a half-turn or twice the way would come to an edge as well, there is no fault.
             let edge = hit.edge.filter(|edge| (0.15..0.45).contains(&edge.length()));
             count += usize::from(edge.is_some());
-            Hit { edge: edge.map_or(hit.edge, &change), ..*hit }
+            Hit { edge: edge.map_or(hit.edge, change), ..*hit }
         })
     };
     let rows: Vec<Vec<_>> = (0..SIDE).map(|y| (0..SIDE).map(|x| each(buffer.get(x, y))).collect()).collect();
@@ -234,12 +237,12 @@ fn a_wrong_edge_is_a_difference_of_the_trim() {
             (pair.differing(), pair.causes.keys().copied().collect::<Vec<_>>())
         };
         assert_eq!(differing(&raster), (0, vec![]));
-        let faults: [(&str, &dyn Fn(DVec2) -> Option<DVec2>); 5] = [
-            ("turned about", &|edge| Some(-edge)),
-            ("twice as long", &|edge| Some(2.0 * edge)),
-            ("none", &|_| None),
-            ("at a right angle", &|edge| Some(edge.perp())),
-            ("a tenth of a pixel longer", &|edge| Some(edge + 0.1 * edge.normalize())),
+        let faults: [(&str, Change); 5] = [
+            ("turned about", |edge| Some(-edge)),
+            ("twice as long", |edge| Some(2.0 * edge)),
+            ("none", |_| None),
+            ("at a right angle", |edge| Some(edge.perp())),
+            ("a tenth of a pixel longer", |edge| Some(edge + 0.1 * edge.normalize())),
         ];
         for (name, fault) in faults {
             let (buffer, count) = changed(&raster, fault);
