@@ -1,18 +1,19 @@
 // Where a trim edge passes by a pixel's centre. Twin of crates/pipeline/src/edge.rs; stands only in programs that look
 // for edges.
+// Names begin with the file's, for there are others like them.
 
-const REACH_PX: f32 = 1.0;
-const MAP_REACH_PX: f32 = 2.0;
-const MAPS: u32 = 2u;
-const EDGE_SEEN_EDGE_ON: f32 = 1.0 / 65536.0;
-const CLIP_HALVINGS: u32 = 12u;
-const CHORDS: u32 = 8u;
-const ROUNDS: u32 = 5u;
-const FINE_CHORD_PX: f32 = 1.0 / 32.0;
-const STEPS: f32 = 16383.0;
-const MIDDLE: f32 = 16384.0;
-const STATUS_BITS: u32 = 2u;
-const BITS: u32 = 15u;
+const EDGE_REACH_PX: f32 = 1.0;
+const EDGE_MAP_REACH_PX: f32 = 2.0;
+const EDGE_MAPS: u32 = 2u;
+const EDGE_EDGE_ON: f32 = 1.0 / 65536.0;
+const EDGE_CLIP_HALVINGS: u32 = 12u;
+const EDGE_CHORDS: u32 = 8u;
+const EDGE_ROUNDS: u32 = 5u;
+const EDGE_FINE_PX: f32 = 1.0 / 32.0;
+const EDGE_STEPS: f32 = 16383.0;
+const EDGE_MIDDLE: f32 = 16384.0;
+const EDGE_STATUS_BITS: u32 = 2u;
+const EDGE_BITS: u32 = 15u;
 
 struct EdgeSeen {
     behind: bool,
@@ -35,7 +36,7 @@ struct EdgeFoot {
     squared: f32,
 }
 
-struct OnChord {
+struct EdgeOnChord {
     share: f32,
     squared: f32,
     length_squared: f32,
@@ -52,14 +53,14 @@ fn edge(face_id: u32, uv: vec2<f32>, at: vec2<f32>) -> u32 {
     let first = edge_map(here, uv);
     var by = first;
     var word = 0u;
-    var squared = REACH_PX * REACH_PX;
-    for (var k = 0u; k < MAPS; k++) {
+    var squared = EDGE_REACH_PX * EDGE_REACH_PX;
+    for (var k = 0u; k < EDGE_MAPS; k++) {
         if (!by.sound) {
             break;
         }
         let foot = edge_nearest(face, by);
         // What the first map has farther away is on another sheet of the surface.
-        if (!foot.found || edge_squared(first, foot.uv) > MAP_REACH_PX * MAP_REACH_PX) {
+        if (!foot.found || edge_squared(first, foot.uv) > EDGE_MAP_REACH_PX * EDGE_MAP_REACH_PX) {
             break;
         }
         here = edge_seen(view, face, foot.uv, at);
@@ -82,7 +83,7 @@ fn edge_map(here: EdgeSeen, uv: vec2<f32>) -> EdgeMap {
     let aa = a.x * a.x + a.y * a.y;
     let bb = b.x * b.x + b.y * b.y;
     var map: EdgeMap;
-    map.sound = !here.behind && det * det > (EDGE_SEEN_EDGE_ON * EDGE_SEEN_EDGE_ON) * aa * bb;
+    map.sound = !here.behind && det * det > (EDGE_EDGE_ON * EDGE_EDGE_ON) * aa * bb;
     map.center = vec2<f32>(uv.x - (b.y * o.x - b.x * o.y) / det, uv.y - (a.x * o.y - a.y * o.x) / det);
     map.along_u = a;
     map.along_v = b;
@@ -136,7 +137,7 @@ fn edge_nearest(face: FaceRecord, map: EdgeMap) -> EdgeFoot {
     let tree = face.trims + 2u * (face.intervals + 1u);
     var node = u32(knots[tree]);
     let end = u32(knots[tree + 1u]);
-    var best = EdgeFoot(false, vec2<f32>(), MAP_REACH_PX * MAP_REACH_PX);
+    var best = EdgeFoot(false, vec2<f32>(), EDGE_MAP_REACH_PX * EDGE_MAP_REACH_PX);
     while (node < end) {
         let hull = points[node];
         let link = points[node + 1u];
@@ -170,7 +171,7 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
     let falls = first.x / first.z > last.x / last.z;
     var start = 0.0;
     var beyond = 1.0;
-    for (var k = 0u; k < CLIP_HALVINGS; k++) {
+    for (var k = 0u; k < EDGE_CLIP_HALVINGS; k++) {
         let t = 0.5 * (start + beyond);
         let c = boundary_point(control, degree, t);
         if (select((c.x < low.x * c.z), (c.x > high.x * c.z), falls) || c.y < low.y * c.z) {
@@ -181,7 +182,7 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
     }
     var within = start;
     var end = 1.0;
-    for (var k = 0u; k < CLIP_HALVINGS; k++) {
+    for (var k = 0u; k < EDGE_CLIP_HALVINGS; k++) {
         let t = 0.5 * (within + end);
         let c = boundary_point(control, degree, t);
         if (select((c.x > high.x * c.z), (c.x < low.x * c.z), falls) || c.y > high.y * c.z) {
@@ -198,17 +199,17 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
     let corner = from_corner.x * map.along_u + from_corner.y * map.along_v;
     let least = start;
     let greatest = end;
-    var squared = GREATEST_SQUARED;
+    var squared = EDGE_GREATEST_SQUARED;
     var nearest = start;
-    for (var round = 0u; round < ROUNDS; round++) {
-        let step = (end - start) / f32(CHORDS);
+    for (var round = 0u; round < EDGE_ROUNDS; round++) {
+        let step = (end - start) / f32(EDGE_CHORDS);
         let base = start;
         var from_place = edge_place(control, degree, base, corner, along_x, along_y);
-        squared = GREATEST_SQUARED;
+        squared = EDGE_GREATEST_SQUARED;
         var length_squared = 0.0;
-        for (var i = 0u; i < CHORDS; i++) {
+        for (var i = 0u; i < EDGE_CHORDS; i++) {
             let to_place = edge_place(control, degree, base + step * (f32(i) + 1.0), corner, along_x, along_y);
-            let chord = nearest_on_chord(from_place, to_place);
+            let chord = edge_nearest_on_chord(from_place, to_place);
             if (chord.squared < squared) {
                 squared = chord.squared;
                 length_squared = chord.length_squared;
@@ -219,7 +220,7 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
             }
             from_place = to_place;
         }
-        if (length_squared <= FINE_CHORD_PX * FINE_CHORD_PX) {
+        if (length_squared <= EDGE_FINE_PX * EDGE_FINE_PX) {
             break;
         }
     }
@@ -227,7 +228,7 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
     return EdgeFoot(true, box.xy + c.xy / c.z * size, squared);
 }
 
-const GREATEST_SQUARED: f32 = 3.4028235e38;
+const EDGE_GREATEST_SQUARED: f32 = 3.4028235e38;
 
 fn edge_extent(per: f32) -> f32 {
     if (per > 0.0) {
@@ -241,7 +242,7 @@ fn edge_place(control: u32, degree: u32, t: f32, corner: vec2<f32>, along_x: vec
     return corner + (c.x / c.z * along_x + c.y / c.z * along_y);
 }
 
-fn nearest_on_chord(from_place: vec2<f32>, to_place: vec2<f32>) -> OnChord {
+fn edge_nearest_on_chord(from_place: vec2<f32>, to_place: vec2<f32>) -> EdgeOnChord {
     let chord = to_place - from_place;
     let length_squared = chord.x * chord.x + chord.y * chord.y;
     let along = -(from_place.x * chord.x + from_place.y * chord.y);
@@ -250,10 +251,10 @@ fn nearest_on_chord(from_place: vec2<f32>, to_place: vec2<f32>) -> OnChord {
         share = clamp(along / length_squared, 0.0, 1.0);
     }
     let at = from_place + share * chord;
-    return OnChord(share, at.x * at.x + at.y * at.y, length_squared);
+    return EdgeOnChord(share, at.x * at.x + at.y * at.y, length_squared);
 }
 
 fn edge_packed(offset: vec2<f32>) -> u32 {
-    let steps = vec2<u32>(MIDDLE + 0.5 + STEPS * clamp(offset, vec2<f32>(-REACH_PX), vec2<f32>(REACH_PX)));
-    return (steps.x << STATUS_BITS) | (steps.y << (STATUS_BITS + BITS));
+    let steps = vec2<u32>(EDGE_MIDDLE + 0.5 + EDGE_STEPS * clamp(offset, vec2<f32>(-EDGE_REACH_PX), vec2<f32>(EDGE_REACH_PX)));
+    return (steps.x << EDGE_STATUS_BITS) | (steps.y << (EDGE_STATUS_BITS + EDGE_BITS));
 }
