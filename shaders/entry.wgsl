@@ -28,24 +28,46 @@ fn vertex(in: VertexInput) -> VertexOutput {
     return out;
 }
 
-// A fragment without material leaves the pixel to what lies behind it.
-fn cut(face: u32, uv: vec2<f32>) {
-    if (TRIMMED && !is_material(faces[face], clamp(uv, vec2<f32>(0.0), vec2<f32>(1.0)))) {
+// The program at the interpolated (u, v), or on a skirt where the ray meets the surface; what lies behind is seen where the
+// face does not cover the pixel.
+fn shown(in: VertexOutput) -> Fragment {
+    if (!TRIMMED) {
+        return fragment(in.face, in.uv);
+    }
+    let s = sight(views[in.face], in.clip.xy);
+    let on_skirt = any(in.uv != clamp(in.uv, vec2<f32>(0.0), vec2<f32>(1.0)));
+    var out: Fragment;
+    var at: Footprint;
+    var uv = in.uv;
+    for (var k = 0u; k <= STEPS; k++) {
+        let f = fragment(in.face, uv);
+        if (k == 0u || on_skirt) {
+            out = f;
+        }
+        if (k == STEPS || at.settled) {
+            break;
+        }
+        at = footprint(s, f.uv, f.position, f.su, f.sv);
+        uv = at.center;
+        if (at.lost || (at.settled && !on_skirt)) {
+            break;
+        }
+    }
+    if ((on_skirt && !at.settled) || !is_shown(faces[in.face], at)) {
         discard;
     }
+    return out;
 }
 
 @fragment
 fn fragment_gbuffer(in: VertexOutput) -> GBufferOutput {
-    cut(in.face, in.uv);
-    let f = fragment(in.face, in.uv);
+    let f = shown(in);
     return gbuffer_output(in.face, f, in.clip.xy);
 }
 
 @fragment
 fn fragment_shaded(in: VertexOutput) -> @location(0) vec4<f32> {
-    cut(in.face, in.uv);
-    let f = fragment(in.face, in.uv);
+    let f = shown(in);
     var normal = f.normal;
     if (INTERPOLATED_NORMAL) {
         normal = in.normal / sqrt(dot(in.normal, in.normal));

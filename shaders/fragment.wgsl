@@ -8,6 +8,8 @@ struct Fragment {
     uv: vec2<f32>,
     span: vec2<u32>,
     position: vec3<f32>,
+    su: vec3<f32>,
+    sv: vec3<f32>,
     normal: vec3<f32>,
     status: u32,
     curvature: vec2<f32>,
@@ -32,6 +34,8 @@ fn fragment(face_id: u32, uv_interpolated: vec2<f32>) -> Fragment {
     out.uv = uv;
     out.span = vec2<u32>(span_u, span_v);
     out.position = d.s;
+    out.su = d.su;
+    out.sv = d.sv;
     out.status = UNDEFINED;
     out.speed = vec2<f32>(sqrt(su_squared), sqrt(sv_squared));
     if (is_regular(n_squared, su_squared, sv_squared)) {

@@ -2,6 +2,7 @@
 
 const RATIONAL: u32 = 1u;
 const REVERSED: u32 = 2u;
+const BOUNDED: u32 = 4u;
 
 struct FaceRecord {
     degree_u: u32,

@@ -3,6 +3,11 @@
 
 @group(0) @binding(5) var atlas: texture_2d<f32>;
 
+// A texel knows of no edges.
+fn is_at_edge(face: FaceRecord, uv: vec2<f32>, reach: vec2<f32>) -> bool {
+    return false;
+}
+
 fn is_material(face: FaceRecord, uv: vec2<f32>) -> bool {
     if (face.intervals == 0u) {
         return true;

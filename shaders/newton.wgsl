@@ -3,7 +3,6 @@
 const EVALUATIONS: u32 = 32u;
 const LAST_BEND_PX: f32 = 1.0 / 128.0;
 const FINE_PX: f32 = 1.0 / 1024.0;
-const NEAR_PX: f32 = 1.0 / 256.0;
 const PROMISE: f32 = 3.0 / 4.0;
 const BEYOND: f32 = 1.0 / 8.0;
 const INSIDE: f32 = 1.0 / 16.0;
@@ -16,7 +15,6 @@ const PATIENCE: u32 = 4u;
 const PATIENCE_EDGE_ON: u32 = 1u;
 const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
 const ONE_END: f32 = 1.0 / 64.0;
-const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
 const DAMPING: f32 = 1.0 / 1048576.0;
 const GREATEST: f32 = 3.40282346e38;
 
@@ -31,13 +29,6 @@ struct Outcome {
     status: u32,
     uv: vec2<f32>,
     depth: f32,
-}
-
-struct Sight {
-    x: vec4<f32>,
-    y: vec4<f32>,
-    z: vec4<f32>,
-    w: vec4<f32>,
 }
 
 struct Place {
@@ -64,17 +55,6 @@ struct Seeds {
     any: bool,
 }
 
-fn sight(view: View, at: vec2<f32>) -> Sight {
-    let m = transpose(view.clip_from_local);
-    let right = at.x - view.units.y;
-    let up = view.units.z - at.y;
-    return Sight(view.units.y * m[0] - right * m[3], view.units.z * m[1] - up * m[3], m[2], m[3]);
-}
-
-fn plane(p: vec4<f32>, at: vec3<f32>) -> f32 {
-    return dot(p.xyz, at) + p.w;
-}
-
 fn solve(piece: PieceRecord, s: Sight) -> Outcome {
     let found = seeds(piece, s);
     if (!found.any) {
@@ -94,7 +74,7 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
         let end = search(piece, s, queue.seeds[k]);
         let next = end.outcome;
         let nearer = next.status == HIT && (best.status != HIT || next.depth > best.depth)
-            && (!TRIMMED || is_material(faces[piece.face], next.uv));
+            && (!TRIMMED || is_shown(faces[piece.face], footprint_of(piece, end.at, next.uv)));
         if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
             best = next;
         }
@@ -104,6 +84,13 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
         before = end.at.uv;
     }
     return best;
+}
+
+// The footprint of a pixel whose ray meets the piece at `uv`, by the place where the search came to know.
+fn footprint_of(piece: PieceRecord, at: Place, uv: vec2<f32>) -> Footprint {
+    let pixel = across(at.along_u, at.along_v);
+    let size = extent(piece);
+    return Footprint(uv, pixel.right * size, pixel.up * size, true, false);
 }
 
 fn near(piece: PieceRecord, a: vec2<f32>, b: vec2<f32>, share: f32) -> bool {
@@ -272,9 +259,9 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     out.w = w;
     out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / w;
     out.squared = select(GREATEST, dot(out.offset, out.offset), w > 0.0);
-    let squared_pixels = dot(s.x.xyz, s.x.xyz) / (w * w);
-    let side_u = dot(d.su, d.su) * (size.x * size.x) * squared_pixels;
-    let side_v = dot(d.sv, d.sv) * (size.y * size.y) * squared_pixels;
+    let pixels = squared_pixels(s, w);
+    let side_u = dot(d.su, d.su) * (size.x * size.x) * pixels;
+    let side_v = dot(d.sv, d.sv) * (size.y * size.y) * pixels;
     out.side_squared = max(side_u, side_v);
     out.sides_squared = side_u * side_v;
     out.depth.x = plane(s.z, d.s) / w;
@@ -287,14 +274,6 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     out.depth.y = along_u.z;
     out.depth.z = along_v.z;
     return out;
-}
-
-// The derivative of a quotient, times w: what is left of the planes' own slopes is that of w, seen at the offset.
-// Last, the slope of w itself.
-fn along(s: Sight, value: vec3<f32>, derivative: vec3<f32>) -> vec4<f32> {
-    let slopes = vec3<f32>(dot(s.x.xyz, derivative), dot(s.y.xyz, derivative), dot(s.z.xyz, derivative));
-    let slope = dot(s.w.xyz, derivative);
-    return vec4<f32>(slopes - value * slope, slope);
 }
 
 fn slid(at: Place, step: vec2<f32>, low: vec2<f32>, high: vec2<f32>) -> vec2<f32> {

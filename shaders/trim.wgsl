@@ -7,10 +7,38 @@ fn is_material(face: FaceRecord, uv: vec2<f32>) -> bool {
     if (face.intervals == 0u) {
         return true;
     }
-    let at = min(uv, vec2<f32>(BELOW_ONE));
+    let at = locate(face, min(uv, vec2<f32>(BELOW_ONE)));
+    return at.found && (at.left - at.first) % 2u == 1u;
+}
+
+fn is_at_edge(face: FaceRecord, uv: vec2<f32>, reach: vec2<f32>) -> bool {
+    if (face.intervals == 0u) {
+        return false;
+    }
+    let ends = face.trims;
+    let place = min(uv, vec2<f32>(BELOW_ONE));
+    let at = locate(face, place);
+    if (!at.found) {
+        return place.y + reach.y >= knots[ends] && place.y - reach.y < knots[ends + face.intervals];
+    }
+    return place.y - reach.y < knots[ends + at.interval]
+        || place.y + reach.y >= knots[ends + at.interval + 1u]
+        || (at.left > at.first && place.x - reach.x < points[at.left - 1u].y)
+        || (at.left < at.end && place.x + reach.x >= points[at.left].x);
+}
+
+struct Located {
+    found: bool,
+    interval: u32,
+    first: u32,
+    end: u32,
+    left: u32,
+}
+
+fn locate(face: FaceRecord, at: vec2<f32>) -> Located {
     let ends = face.trims;
     if (!(at.y >= knots[ends] && at.y < knots[ends + face.intervals])) {
-        return false;
+        return Located(false, 0u, 0u, 0u, 0u);
     }
     var low = 0u;
     var high = face.intervals;
@@ -24,9 +52,9 @@ fn is_material(face: FaceRecord, uv: vec2<f32>) -> bool {
     }
     let starts = ends + face.intervals + 1u;
     let first = u32(knots[starts + low]);
-    // Edges before `left` pass on the left, those from `right` on do not.
+    let end = u32(knots[starts + low + 1u]);
     var left = first;
-    var right = u32(knots[starts + low + 1u]);
+    var right = end;
     while (left < right) {
         let middle = (left + right) / 2u;
         if (passes_left(points[middle], at)) {
@@ -35,7 +63,7 @@ fn is_material(face: FaceRecord, uv: vec2<f32>) -> bool {
             right = middle;
         }
     }
-    return (left - first) % 2u == 1u;
+    return Located(true, low, first, end, left);
 }
 
 fn passes_left(edge: vec4<f32>, at: vec2<f32>) -> bool {

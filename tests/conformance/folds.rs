@@ -1,8 +1,9 @@
 //! Technique `exact` beside folds, where a ray meets one piece up to three times.
 
 use glam::DVec3;
+use pipeline::Sight;
 use pipeline::Technique;
-use pipeline::newton::{Outcome, Sight, solve};
+use pipeline::newton::{Outcome, solve};
 use raycast::Caster;
 use scene::{Camera, Projection, Viewport};
 use xtask::stage::{Plan, Stage};

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod area;
+mod cracks;
 mod edges;
 pub mod frozen;
 mod plain;

@@ -15,6 +15,10 @@ pub const ATTRIBUTE_ULPS: f64 = 16.0;
 /// A renderer that finds the point on the pixel's own ray, rather than on a triangle's, may be this far off, pixels.
 pub const EXACT_PX: f64 = 0.01;
 
+/// Loops are followed at the point on the pixel's own ray by every technique, to this, pixels: what a face is drawn too far
+/// ([`pipeline::sight::NEAR_PX`]), and what is left of the way to that point.
+pub const EDGE_PX: f64 = 0.01;
+
 /// What the accuracy of interpolated parameters amounts to on each face of a model, model units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interpolation(Vec<f64>);
@@ -41,6 +45,8 @@ pub struct Deviation {
     pub attribute: Vec<f64>,
     /// Pixels: snapping of vertices; [`EXACT_PX`] where there are none.
     pub snap_px: f64,
+    /// How near an edge of a face that loops bound may pass the centre of a pixel that is shown the wrong side of it, pixels.
+    pub edge_px: f64,
     /// All of it in words.
     pub text: String,
 }
@@ -53,6 +59,7 @@ impl Deviation {
             edge_chord: chord.to_vec(),
             attribute: interpolation.0.clone(),
             snap_px: SNAP_PX,
+            edge_px: EDGE_PX,
             text: format!(
                 "chord bound of the tessellation (Filip, Magedson & Markot 1986) + {SNAP_PX} px of vertex snapping + \
                  {ATTRIBUTE_ULPS} ulp of interpolated parameters; rounding of S: its proven interval"
@@ -67,6 +74,7 @@ impl Deviation {
             edge_chord: chord.to_vec(),
             attribute: interpolation.0.clone(),
             snap_px: 2.0 * SNAP_PX,
+            edge_px: 2.0 * EDGE_PX,
             text: format!(
                 "the same triangles, so no chord but at their edges: {} px of vertex snapping + {ATTRIBUTE_ULPS} ulp of interpolated \
                  parameters; rounding of S: its proven interval",
@@ -83,6 +91,7 @@ impl Deviation {
         let chord = |face: usize| chord_px * camera.pixel_at(viewport, model.surfaces()[face].hull());
         let chord: Vec<f64> = model.faces().iter().map(|face| chord(face.surface)).collect();
         Self {
+            edge_px: chord_px + SNAP_PX,
             text: format!(
                 "claimed chord of {chord_px} px at each face's nearest depth + {SNAP_PX} px of vertex snapping + \
                  {ATTRIBUTE_ULPS} ulp of interpolated parameters"
@@ -101,6 +110,7 @@ impl Deviation {
             edge_chord: none.clone(),
             attribute: none,
             snap_px: EXACT_PX,
+            edge_px: EDGE_PX,
             text: format!("{EXACT_PX} px from the pixel's ray"),
         }
     }
@@ -113,6 +123,7 @@ impl Deviation {
             edge_chord: sum(&self.edge_chord, &other.edge_chord),
             attribute: sum(&self.attribute, &other.attribute),
             snap_px: self.snap_px + other.snap_px,
+            edge_px: self.edge_px + other.edge_px,
             text: if self.text == other.text {
                 format!("on either side {}", self.text)
             } else {

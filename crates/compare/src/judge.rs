@@ -9,7 +9,16 @@ use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 use pipeline::{PackedScene, View};
 use rayon::prelude::*;
-use scene::{Camera, Model, Viewport};
+use scene::{Camera, FaceId, Model, Viewport};
+
+/// How far along a surface it is followed from where a candidate shows it, pixels were it seen at a right angle.
+const FOLLOWED_PX: f64 = 8.0;
+
+/// Steps of that search at most: it converges quadratically, but close by a fold.
+const FOLLOWING_STEPS: u32 = 24;
+
+/// An offset from a picture position that counts as none, pixels.
+const FOUND_PX: f64 = 1e-7;
 
 /// Judges renderings of one model by one camera.
 pub struct Judge<'m> {
@@ -57,16 +66,19 @@ impl<'m> Judge<'m> {
     /// 1. *evaluation*: position, normal and curvatures lie in their [`Enclosure`](pipeline::enclosure::Enclosure) at
     ///    the candidate's own (u, v), where f32 leaves the span or the status of the normal open in one of them; and
     ///    the packed face that it encloses is, up to narrowing, the model's;
-    /// 2. *trim*: on a trimmed face the candidate's (u, v) is material, in f64, or an edge passes within the band of
-    ///    f32's own classification ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band)); and where the candidate
-    ///    was asked for trim edges, there is one at the place that it records, none is nearer, and none is within reach
-    ///    where it records none, to within what f32 and the linear map at its own (u, v) may be off;
+    /// 2. *trim*: where the pixel's ray meets a face that loops bound, close to the candidate's (u, v), it is material, in
+    ///    f64, or an edge passes within the band of f32's own classification
+    ///    ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band)) or [`Deviation::edge_px`] of the pixel's centre;
     /// 3. *geometry*: S(u, v) projects to within the bound ([`Deviation::model_units`], seen there) of what the reference shows there:
     ///    of the pixel's centre, for a ray caster;
     /// 4. *visibility*: nothing that the reference sees within the bound of the centre hides that point by more than
     ///    the bound, everywhere;
     /// 5. *coverage*: a pixel that only the reference covers has an edge within the bound: a position where the
-    ///    reference sees nothing, or a border of the face.
+    ///    reference sees nothing, or a border of the face. Where loops bound the face, the border must be within
+    ///    [`Deviation::edge_px`], and a position where nothing is seen counts only beyond a fold;
+    /// 6. *trim edges*, where the candidate was asked for them: there is one at the place that it records, none is nearer,
+    ///    and none is within reach where it records none, to within what f32 and the linear map at its own (u, v) may be
+    ///    off. A failure is `Trim`.
     ///
     /// A pixel that differs is `Undecided` where the reference says that it could not decide it, and else
     /// `NewtonNotConverged` where the candidate says that it did not converge. For a candidate of technique `exact` a
@@ -166,32 +178,76 @@ impl<'m> Judge<'m> {
         Ok(())
     }
 
-    /// Where a hit's own parameters are, and the band about them in which f32 may mistake sides; `None` where its face is
-    /// whole.
-    fn trim_place(&self, hit: &Hit) -> Option<(Place, DVec2)> {
-        let region = self.model.trimmed_region(hit.face)?;
-        let band = self.scene.frames[hit.face.0 as usize].edge_band * region.domain().size();
-        Some((trim::place(region, hit.uv, band), band))
-    }
-
-    /// Whether an edge passes as near a hit's own parameters as f32 may mistake sides.
+    /// Whether an edge passes as near the pixel's centre as a renderer may mistake sides, where it shows a face.
     ///
     /// # Errors
-    /// Where the face has no material there, nor so near.
-    pub(crate) fn trimming(&self, hit: &Hit) -> Result<bool, Difference> {
-        match self.trim_place(hit) {
-            None | Some((Place::Material, _)) => Ok(false),
-            Some((Place::Edge, _)) => Ok(true),
-            Some((Place::Cut, band)) => {
-                let detail = format!("face {} has no material at (u, v) = {}, nor within {band}", hit.face.0, hit.uv);
+    /// Where loops bound the face and it has no material there, nor so near.
+    pub(crate) fn trimming(&self, hit: &Hit, center: DVec2, edge_px: f64, bound_px: f64) -> Result<bool, Difference> {
+        let Some((place, uv, found)) = self.trim_place(hit, center) else { return Ok(false) };
+        // Close by a fold, where the ray may pass the surface by, the hit's own parameters are all that there is.
+        let radius = if found { edge_px } else { edge_px + bound_px };
+        match place {
+            Place::Material => Ok(false),
+            Place::Edge => Ok(true),
+            Place::Cut if self.edge_passes(hit.face, center, radius) => Ok(true),
+            Place::Cut => {
+                let detail = format!("face {} has no material at (u, v) = {uv}, nor within {radius:.4} px", hit.face.0);
                 Err(Difference::new(Cause::Trim, f64::INFINITY, detail))
             }
         }
     }
 
-    /// Whether an edge of the face passes as near a hit of any renderer as the rasterizers may mistake sides.
-    pub(crate) fn is_at_trim_edge(&self, hit: &Hit) -> bool {
-        self.trim_place(hit).is_some_and(|(place, _)| place == Place::Edge)
+    /// Whether an edge of a bounded face passes within `edge_px` of a position where it is seen, or as near as its
+    /// mask may be wrong.
+    pub(crate) fn is_at_edge(&self, hit: &Hit, center: DVec2, edge_px: f64) -> bool {
+        self.trim_place(hit, center).is_some_and(|(place, ..)| place == Place::Edge)
+            || self.edge_passes(hit.face, center, edge_px)
+    }
+
+    /// Where the surface of a bounded face is seen at a position close to a hit, which parameters that are, and whether
+    /// they were found: else they are the hit's own.
+    fn trim_place(&self, hit: &Hit, center: DVec2) -> Option<(Place, DVec2, bool)> {
+        let region = self.model.region(hit.face)?;
+        let band = self.scene.frames[hit.face.0 as usize].edge_band * region.domain().size();
+        let found = self.seen_at(hit, center);
+        let uv = found.unwrap_or(hit.uv);
+        Some((trim::place(region, uv, band), uv, found.is_some()))
+    }
+
+    /// Whether an edge of a bounded face is seen within `radius` pixels of a position.
+    fn edge_passes(&self, face: FaceId, center: DVec2, radius: f64) -> bool {
+        let surface = self.model.surface(face);
+        let distance = |uv: DVec2| {
+            let seen = self.picture(surface.point(uv.x, uv.y));
+            seen.map_or(f64::INFINITY, |p| p.distance(center))
+        };
+        self.model.region(face).is_some_and(|region| trim::edge_passes(region, distance, radius))
+    }
+
+    /// The parameters, close to a hit's own, at which its surface, gone on with along its tangents beyond the domain, is
+    /// seen at position `at`: by Newton's method. `None` where it is not, as beyond a fold.
+    pub(crate) fn seen_at(&self, hit: &Hit, at: DVec2) -> Option<DVec2> {
+        let surface = self.model.surface(hit.face);
+        let [[u0, u1], [v0, v1]] = surface.domain();
+        let from = self.surface_point(hit);
+        let farthest = FOLLOWED_PX / self.camera.pixels_per_unit(self.viewport, self.camera.depth(from));
+        let mut uv = hit.uv;
+        for _ in 0..FOLLOWING_STEPS {
+            let border = uv.clamp(DVec2::new(u0, v0), DVec2::new(u1, v1));
+            let d = surface.first_derivatives(border.x, border.y);
+            let s = d.s + d.su * (uv.x - border.x) + d.sv * (uv.y - border.y);
+            let offset = at - self.picture(s).filter(|_| s.distance(from) <= farthest)?;
+            if offset.length() <= FOUND_PX {
+                let way = (d.su * (uv.x - border.x)).abs() + (d.sv * (uv.y - border.y)).abs();
+                return Some(uv).filter(|_| way.max_element() <= farthest);
+            }
+            let [a, b] = [d.su, d.sv].map(|along| self.camera.picture_derivative(self.viewport, s, along));
+            uv += DVec2::new(offset.perp_dot(b), a.perp_dot(offset)) / a.perp_dot(b);
+            if !uv.is_finite() {
+                return None;
+            }
+        }
+        None
     }
 
     /// S in f64 at a hit's own parameters.

@@ -21,7 +21,7 @@ mod trim;
 
 pub use attribution::NEARLY;
 pub use cause::Cause;
-pub use deviation::{ATTRIBUTE_ULPS, Deviation, EXACT_PX, Interpolation, SNAP_PX};
+pub use deviation::{ATTRIBUTE_ULPS, Deviation, EDGE_PX, EXACT_PX, Interpolation, SNAP_PX};
 pub use error::CompareError;
 pub use judge::Judge;
 pub use report::{Coverage, Edges, Identical, PairReport, PixelReport, PixelVerdict, Verdict};

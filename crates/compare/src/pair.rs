@@ -2,7 +2,7 @@
 
 use crate::edge::EdgeFound;
 use crate::judge::{Difference, Judge};
-use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares, trim};
+use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 
@@ -46,7 +46,9 @@ impl Pair<'_, '_> {
         let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let result = match (self.reference.get(x, y), self.candidate.get(x, y)) {
             (None, None) => Ok(None),
-            (reference, Some(candidate)) => self.shown(center, reference, candidate).map(Some),
+            (reference, Some(candidate)) => self
+                .shown(center, reference, candidate)
+                .and_then(|found| Ok(Some(Agreement { edge: self.edge(center, candidate)?, ..found }))),
             (Some(reference), None) => self.missing(center, reference).map(|()| Some(Agreement::default())),
         };
         match result {
@@ -64,21 +66,25 @@ impl Pair<'_, '_> {
     /// away; one that solves for the surface at each pixel missed a root, whether it then found a farther one or none;
     /// another cause, `otherwise`, for triangles.
     fn unseen(&self, hidden: &Hit, otherwise: Cause) -> Cause {
-        if self.judge.model.trimmed_region(hidden.face).is_some() {
+        if self.judge.model.region(hidden.face).is_some() {
             return Cause::Trim;
         }
         if self.candidate.meta().technique == EXACT { Cause::MissedRoot } else { otherwise }
     }
 
+    /// The candidate's trim edge, where it was asked for one.
+    fn edge(&self, center: DVec2, candidate: &Hit) -> Result<Option<EdgeFound>, Difference> {
+        if self.candidate.has_edges() { self.judge.edge(candidate, center) } else { Ok(None) }
+    }
+
     /// A pixel that the candidate covers.
     fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Difference> {
         let shares = self.judge.evaluation(candidate)?;
-        let shares = Shares { ambiguous: self.judge.trimming(candidate)? || shares.ambiguous, ..shares };
-        let asked = self.candidate.has_edges();
-        let edge = if asked { self.judge.edge(candidate, center)? } else { None };
         let s = self.judge.surface_point(candidate);
         let face = candidate.face.0 as usize;
         let bound_px = self.bound_of(face, s);
+        let at_edge = self.judge.trimming(candidate, center, self.deviation.edge_px, bound_px)?;
+        let shares = Shares { ambiguous: at_edge || shares.ambiguous, ..shares };
         // Along the ray: the chord on either side, what rounding of S itself was, and that of the depths compared.
         let depth = DEPTH_ULPS / (1u64 << 24) as f64 * (candidate.t.abs() + self.judge.size);
         let slack = 2.0 * self.deviation.model_units(face) + 2.0 * candidate.position.distance(s) + depth;
@@ -95,7 +101,7 @@ impl Pair<'_, '_> {
             (Some(a), Some(b)) => a.distance(b),
             _ => f64::INFINITY,
         };
-        let agreement = Agreement { across_px, bound_px, along, shares, edge };
+        let agreement = Agreement { across_px, bound_px, along, shares, edge: None };
         if same.is_some() && across_px <= bound_px {
             return Ok(agreement);
         }
@@ -117,8 +123,7 @@ impl Pair<'_, '_> {
         }
         // Visibility.
         let Some(occluder) = reference.filter(|r| r.t < candidate.t - slack) else { return Ok(agreement) };
-        let behind =
-            |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack || self.is_cut_nearby(&q, occluder));
+        let behind = |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack);
         let own = picture.filter(|_| self.exact).is_some_and(|p| behind(self.sampler.first(p.x, p.y)));
         let bound = bound_px.max(self.bound_at(occluder));
         // Beyond the edge of its triangle a point may fall behind the next one of its face by as much as both are off.
@@ -128,7 +133,7 @@ impl Pair<'_, '_> {
         };
         if own
             || self.near_border(occluder, center, bound)
-            || self.around(center, bound, Some(occluder)).any(behind)
+            || self.passes_by(occluder, center, bound, &behind)
             || behind_own_face()
         {
             return Ok(agreement);
@@ -142,10 +147,8 @@ impl Pair<'_, '_> {
     fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
         let bound = self.bound_at(reference);
         // Two rasterizers may each leave a crack between faces, whose corners are placed in frames of their own.
-        let is_edge = |q: Option<Hit>| {
-            q.is_none_or(|q| (!self.exact && q.face != reference.face) || self.is_cut_nearby(&q, reference))
-        };
-        if self.near_border(reference, center, bound) || self.around(center, bound, Some(reference)).any(is_edge) {
+        let is_edge = |q: Option<Hit>| q.is_none_or(|q| !self.exact && q.face != reference.face);
+        if self.near_border(reference, center, bound) || self.passes_by(reference, center, bound, &is_edge) {
             return Ok(());
         }
         let detail = format!("face {} is not shown, and no edge is within {bound:.4} px", reference.face.0);
@@ -220,13 +223,17 @@ impl Pair<'_, '_> {
             (q, r) => q.is_some() != r.is_some(),
         };
         self.judge.picture(s).is_some_and(|p| p.distance(center) <= chord_px)
-            && (self.judge.is_at_trim_edge(candidate)
+            && (self.judge.is_at_edge(candidate, center, self.deviation.edge_px)
                 || self.around(center, bound_px, reference.or(Some(candidate))).any(is_other))
     }
 
-    /// Whether a sample of the face that `hit` shows is so near a trim edge that a rasterizer may have cut it away.
-    fn is_cut_nearby(&self, q: &Hit, hit: &Hit) -> bool {
-        q.face == hit.face && self.judge.is_at_trim_edge(q)
+    /// Whether the reference sees, at a position within the bound, past the surface of `hit`: something that `is_past` it.
+    ///
+    /// Where loops bound the face, its surface must end in a fold before that position: a trim edge is no silhouette.
+    fn passes_by(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(Option<Hit>) -> bool) -> bool {
+        let is_bounded = self.judge.model.region(hit.face).is_some();
+        self.places(center, bound, Some(hit))
+            .any(|p| is_past(self.sampler.first(p.x, p.y)) && !(is_bounded && self.judge.seen_at(hit, p).is_some()))
     }
 
     /// Whether a sample shows the candidate's point: same face, same place in the picture and in depth.
@@ -278,21 +285,17 @@ impl Pair<'_, '_> {
         offsets.map(move |offset| center + radius * offset)
     }
 
-    /// Whether a border of the hit's face, natural or trimmed, passes within `radius` pixels of a position, or the near
-    /// plane cuts it there.
+    /// Whether a border of the hit's face passes within `radius` pixels of a position, or, where loops bound the face, one of
+    /// them within [`Deviation::edge_px`], or the near plane cuts it there.
     fn near_border(&self, hit: &Hit, center: DVec2, radius: f64) -> bool {
         let beyond_near = self.judge.camera.depth(hit.position) - self.judge.camera.near();
         if beyond_near <= self.deviation.model_units(hit.face.0 as usize) {
             return true;
         }
-        let surface = self.judge.model.surface(hit.face);
-        if let Some(region) = self.judge.model.trimmed_region(hit.face) {
-            let distance = |uv: DVec2| {
-                let seen = self.judge.picture(surface.point(uv.x, uv.y));
-                seen.map_or(f64::INFINITY, |p| p.distance(center))
-            };
-            return trim::edge_passes(region, distance, radius);
+        if self.judge.model.region(hit.face).is_some() {
+            return self.judge.is_at_edge(hit, center, self.deviation.edge_px);
         }
+        let surface = self.judge.model.surface(hit.face);
         let [[u0, u1], [v0, v1]] = surface.domain();
         let DVec2 { x: u, y: v } = hit.uv;
         [(u0, v), (u1, v), (u, v0), (u, v1)].into_iter().any(|(s, t)| {

@@ -1,7 +1,7 @@
 //! Whether a hit's parameters are material: in f64, by bisection of the region's monotone pieces.
 
 use glam::DVec2;
-use nurbs::BezierCurve;
+use nurbs::{BezierCurve, Rectangle};
 use scene::Region;
 
 /// Bisections of a piece: enough for every bit of its parameter.
@@ -18,8 +18,13 @@ pub(crate) enum Place {
     Edge,
 }
 
-/// Where the rectangle `uv` ± `band` is.
+/// Where the rectangle `uv` ± `band` is. Beyond the domain all is cut; on its border a point counts as its neighbour inside.
 pub(crate) fn place(region: &Region, uv: DVec2, band: DVec2) -> Place {
+    let Rectangle { min, max } = region.domain();
+    if (uv + band).cmplt(min).any() || (uv - band).cmpgt(max).any() {
+        return Place::Cut;
+    }
+    let uv = uv.clamp(min, max.map(f64::next_down));
     let mut winding = 0;
     for piece in region.pieces() {
         let [start, end] = [piece.curve.start(), piece.curve.end()];

@@ -33,6 +33,19 @@ pub struct Fragment {
     pub edge: Option<[f32; 2]>,
 }
 
+/// The tangent plane that a fragment evaluates, in the face's local coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TangentPlane {
+    /// Local parameters, clamped to 0 … 1.
+    pub uv: [f32; 2],
+    /// S.
+    pub s: [f32; 3],
+    /// S_u.
+    pub su: [f32; 3],
+    /// S_v.
+    pub sv: [f32; 3],
+}
+
 /// Runs the program for one fragment.
 pub fn fragment(scene: &PackedScene, face: u32, uv: [f32; 2], curvature: bool) -> Fragment {
     let mut out = Vec::with_capacity(1);
@@ -44,6 +57,31 @@ pub fn fragment(scene: &PackedScene, face: u32, uv: [f32; 2], curvature: bool) -
 /// same spans go together; the answers are the same, to the bit, however they fall into groups.
 pub fn fragment_row(scene: &PackedScene, face: u32, uv: &[[f32; 2]], curvature: bool, out: &mut Vec<Fragment>) {
     let f = &scene.faces[face as usize];
+    row(scene, f, uv, curvature, out, |lane, uv, span| lane.fragment(f, face, uv, span));
+}
+
+/// The tangent planes of fragments of one face: the same numbers as in the program, appended to `out`.
+pub fn tangent_planes(scene: &PackedScene, face: u32, uv: &[[f32; 2]], out: &mut Vec<TangentPlane>) {
+    let f = &scene.faces[face as usize];
+    row(scene, f, uv, false, out, |lane, uv, _| lane.tangent_plane(uv));
+}
+
+/// One tangent plane.
+pub fn tangent_plane(scene: &PackedScene, face: u32, uv: [f32; 2]) -> TangentPlane {
+    let mut out = Vec::with_capacity(1);
+    tangent_planes(scene, face, &[uv], &mut out);
+    out[0]
+}
+
+/// Evaluates a face at all `uv` and appends what `finish` makes of each.
+fn row<T>(
+    scene: &PackedScene,
+    f: &FaceRecord,
+    uv: &[[f32; 2]],
+    curvature: bool,
+    out: &mut Vec<T>,
+    finish: impl Fn(Lane, [f32; 2], [usize; 2]) -> T,
+) {
     let [ku, kv] = scene.knots(f);
     let [degree, count, last] =
         [[f.degree_u, f.degree_v], [f.count_u, f.count_v], [f.last_u, f.last_v]].map(|pair| pair.map(|x| x as usize));
@@ -62,10 +100,12 @@ pub fn fragment_row(scene: &PackedScene, face: u32, uv: &[[f32; 2]], curvature: 
         let run = 1 + rest[1..].iter().take(WIDTH - 1).take_while(|uv| is_alike(**uv)).count();
         let (now, later) = rest.split_at(run);
         if run == 1 {
-            fragments::<1>(scene, face, span, [first], 1, curvature, out);
+            let all = specialised::<1>(scene, f, span, [first], curvature);
+            out.push(finish(all.lane(0), first, span));
         } else {
             let padded = std::array::from_fn(|i| clamp(now[i.min(run - 1)]));
-            fragments::<WIDTH>(scene, face, span, padded, run, curvature, out);
+            let all = specialised::<WIDTH>(scene, f, span, padded, curvature);
+            out.extend((0..run).map(|i| finish(all.lane(i), padded[i], span)));
         }
         rest = later;
     }
@@ -76,31 +116,28 @@ fn clamp(uv: [f32; 2]) -> [f32; 2] {
     uv.map(|t| t.clamp(0.0, 1.0))
 }
 
-/// Appends the first `count` of `N` fragments.
-fn fragments<const N: usize>(
+/// A specialised program knows its degree; the compiler then unrolls every loop.
+fn specialised<const N: usize>(
     scene: &PackedScene,
-    face: u32,
+    f: &FaceRecord,
     span: [usize; 2],
     uv: [[f32; 2]; N],
-    count: usize,
     curvature: bool,
-    out: &mut Vec<Fragment>,
-) {
-    let f = &scene.faces[face as usize];
-    // A specialised program knows its degree; the compiler then unrolls every loop.
-    let result: Evaluated<N> = match [f.degree_u, f.degree_v] {
+) -> Evaluated<N> {
+    match [f.degree_u, f.degree_v] {
         [3, 3] if curvature => evaluate::<4, N>(scene, f, [3, 3], span, uv, true),
         [3, 3] => evaluate::<4, N>(scene, f, [3, 3], span, uv, false),
         [5, 5] if curvature => evaluate::<6, N>(scene, f, [5, 5], span, uv, true),
         [5, 5] => evaluate::<6, N>(scene, f, [5, 5], span, uv, false),
         [p, q] => evaluate::<MAX_ORDER, N>(scene, f, [p as usize, q as usize], span, uv, curvature),
-    };
-    out.extend((0..count).map(|i| result.fragment(f, face, uv[i], span, i)));
+    }
 }
 
 /// The program's values, `N` fragments side by side, before degenerate ones are sorted out.
 struct Evaluated<const N: usize> {
     position: Vec3<N>,
+    su: Vec3<N>,
+    sv: Vec3<N>,
     normal: Vec3<N>,
     n_squared: Lanes<N>,
     squared: [Lanes<N>; 2],
@@ -128,6 +165,8 @@ fn evaluate<const CAPACITY: usize, const N: usize>(
     let n = n.map(|x| x / length);
     Evaluated {
         position: d.s,
+        su: d.su,
+        sv: d.sv,
         normal: n,
         n_squared,
         squared: [su_squared, sv_squared],
@@ -136,15 +175,47 @@ fn evaluate<const CAPACITY: usize, const N: usize>(
     }
 }
 
+/// The program's values at one fragment.
+struct Lane {
+    position: [f32; 3],
+    su: [f32; 3],
+    sv: [f32; 3],
+    normal: [f32; 3],
+    n_squared: f32,
+    squared: [f32; 2],
+    curvature: [f32; 2],
+    speed: [f32; 2],
+}
+
 impl<const N: usize> Evaluated<N> {
     #[inline(always)]
-    fn fragment(&self, f: &FaceRecord, face: u32, uv: [f32; 2], span: [usize; 2], i: usize) -> Fragment {
-        let regular = eval::is_regular(self.n_squared.0[i], self.squared[0].0[i], self.squared[1].0[i]);
+    fn lane(&self, i: usize) -> Lane {
+        Lane {
+            position: self.position.map(|x| x.0[i]),
+            su: self.su.map(|x| x.0[i]),
+            sv: self.sv.map(|x| x.0[i]),
+            normal: self.normal.map(|x| x.0[i]),
+            n_squared: self.n_squared.0[i],
+            squared: self.squared.map(|x| x.0[i]),
+            curvature: self.curvature.map(|x| x.0[i]),
+            speed: self.speed.map(|x| x.0[i]),
+        }
+    }
+}
+
+impl Lane {
+    #[inline(always)]
+    fn tangent_plane(&self, uv: [f32; 2]) -> TangentPlane {
+        TangentPlane { uv, s: self.position, su: self.su, sv: self.sv }
+    }
+
+    #[inline(always)]
+    fn fragment(&self, f: &FaceRecord, face: u32, uv: [f32; 2], span: [usize; 2]) -> Fragment {
+        let regular = eval::is_regular(self.n_squared, self.squared[0], self.squared[1]);
         let mut normal = [0.0; 3];
         let mut curvature = [0.0; 2];
         if regular {
-            normal = self.normal.map(|x| x.0[i]);
-            curvature = self.curvature.map(|x| x.0[i]);
+            (normal, curvature) = (self.normal, self.curvature);
             if f.flags & REVERSED != 0 {
                 normal = normal.map(|x| -x);
                 curvature = [-curvature[1], -curvature[0]];
@@ -154,11 +225,11 @@ impl<const N: usize> Evaluated<N> {
             face,
             uv,
             span: span.map(|s| s as u32),
-            position: self.position.map(|x| x.0[i]),
+            position: self.position,
             normal,
             status: if regular { NormalStatus::Regular } else { NormalStatus::Undefined },
             curvature,
-            speed: self.speed.map(|x| x.0[i]),
+            speed: self.speed,
             edge: None,
         }
     }

@@ -8,6 +8,10 @@ pub const RATIONAL: u32 = 1;
 /// [`FaceRecord::flags`]: the face's normal is −(S_u × S_v).
 pub const REVERSED: u32 = 2;
 
+/// [`FaceRecord::flags`]: loops bound the face, along the domain's border or inside it, and it is cut there
+/// ([`crate::sight::is_shown`]); a tessellation of it goes on beyond the border.
+pub const BOUNDED: u32 = 4;
+
 /// Where a face's numbers stand in the shared knot and point arrays. 48 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
@@ -30,7 +34,7 @@ pub struct FaceRecord {
     pub last_u: u32,
     /// The last nonempty span in v.
     pub last_v: u32,
-    /// [`RATIONAL`] and [`REVERSED`].
+    /// [`RATIONAL`], [`REVERSED`] and [`BOUNDED`].
     pub flags: u32,
     /// Index among the knots of the first number of the face's region ([`crate::trim`]), or of its mask's place
     /// ([`crate::mask`]).
@@ -80,7 +84,7 @@ pub struct PieceRecord {
 pub struct Vertex {
     /// S(u, v), or a hull's corner, in the face's local coordinates.
     pub position: [f32; 3],
-    /// Local parameters, 0 to 1 over the domain; zeros at a hull's corner.
+    /// Local parameters, 0 to 1 over the domain and beyond it at the corner of a skirt; zeros at a hull's corner.
     pub uv: [f32; 2],
     /// The face.
     pub face: u32,

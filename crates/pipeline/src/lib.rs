@@ -14,12 +14,14 @@ pub mod newton;
 mod pack;
 mod pieces;
 mod proxy;
+pub mod sight;
 mod technique;
 pub mod trim;
 pub mod wgsl;
 
 pub use lanes::Lanes;
-pub use layout::{FaceRecord, PieceRecord, RATIONAL, REVERSED, Vertex, View};
+pub use layout::{BOUNDED, FaceRecord, PieceRecord, RATIONAL, REVERSED, Vertex, View};
 pub use pack::{PackError, PackedFrame, PackedScene, Program, Scheme};
 pub use proxy::{Batch, DEFAULT_CHORD_PX, Proxy, ProxyError};
+pub use sight::{Footprint, Sight};
 pub use technique::Technique;

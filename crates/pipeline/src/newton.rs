@@ -1,6 +1,6 @@
 //! Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of `shaders/newton.wgsl`.
 //!
-//! The ray of a pixel is two planes ([`Sight`]): S(u, v) is on it where its offset from the pixel, in pixels, vanishes
+//! The ray of a pixel is two planes ([`Sight`](crate::Sight)): S(u, v) is on it where its offset from the pixel, in pixels, vanishes
 //! in x and in y. The offset is the projection of S less the pixel's position, so its size means the same whatever the
 //! distance, the focal length and the scale of the face.
 //!
@@ -32,8 +32,8 @@ pub use fold::{ASIDE, QUEUE, SAMPLES, SHORT};
 use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives};
 use crate::lanes::Lanes;
-use crate::layout::{PieceRecord, View};
-use crate::trim;
+use crate::layout::PieceRecord;
+use crate::sight::{Footprint, NEAR_PX, NEARLY_SINGULAR, Sight, across, dot, is_shown, plane};
 use fold::Queue;
 use nurbs::MAX_ORDER;
 use std::cell::Cell;
@@ -48,9 +48,6 @@ pub const LAST_BEND_PX: f32 = 1.0 / 128.0;
 
 /// An offset that counts as none, pixels. At a silhouette Newton's step is long however small the offset.
 pub const FINE_PX: f32 = 1.0 / 1024.0;
-
-/// How far beyond its border a place counts as on the piece, pixels: pieces that share a border leave no crack.
-pub const NEAR_PX: f32 = 1.0 / 256.0;
 
 /// The least share of the squared offset that a step must promise to take away.
 pub const PROMISE: f32 = 3.0 / 4.0;
@@ -91,9 +88,6 @@ pub const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
 /// Two searches that end nearer to each other than this share of the piece have ended at one place.
 pub const ONE_END: f32 = 1.0 / 64.0;
 
-/// Below this determinant, as a share of the squared columns, the columns count as nearly parallel.
-pub const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
-
 /// Weight of the damping then, as a share of the squared columns.
 pub const DAMPING: f32 = 1.0 / 1048576.0;
 
@@ -120,28 +114,6 @@ pub struct Solution {
     pub outcome: Outcome,
     /// How often the surface was evaluated.
     pub evaluations: u32,
-}
-
-/// A pixel's ray as planes in a face's local coordinates: offsets times w in x (right) and y (up), z, and w.
-#[derive(Debug, Clone, Copy)]
-pub struct Sight {
-    x: [f32; 4],
-    y: [f32; 4],
-    z: [f32; 4],
-    w: [f32; 4],
-}
-
-impl Sight {
-    /// The ray through picture position `at`, pixels from the top left corner.
-    #[inline]
-    pub fn new(view: &View, at: [f32; 2]) -> Self {
-        let m = &view.clip_from_local;
-        let row = |r: usize| [m[0][r], m[1][r], m[2][r], m[3][r]];
-        let (w, z) = (row(3), row(2));
-        let [right, up] = [at[0] - view.units[1], view.units[2] - at[1]];
-        let plane = |half: f32, clip: [f32; 4], across: f32| std::array::from_fn(|i| half * clip[i] - across * w[i]);
-        Self { x: plane(view.units[1], row(0), right), y: plane(view.units[2], row(1), up), z, w }
-    }
 }
 
 /// A place of the search.
@@ -266,7 +238,9 @@ impl Problem<'_> {
             let end = self.search::<CAPACITY>(queue.seeds[k]);
             best = match (best, end.outcome) {
                 (Outcome::Hit { depth: old, .. }, Outcome::Hit { depth: new, .. }) if new <= old => best,
-                (_, Outcome::Hit { uv, .. }) if trim::is_material(self.scene, face, uv) => end.outcome,
+                (_, Outcome::Hit { uv, .. }) if is_shown(self.scene, face, &footprint(self.piece, &end.at, uv)) => {
+                    end.outcome
+                }
                 (Outcome::Miss, Outcome::Unconverged) => end.outcome,
                 _ => best,
             };
@@ -344,18 +318,11 @@ impl Problem<'_> {
         let [s, su, sv] = [d.s, d.su, d.sv].map(|x| x.map(|x| x.0[0]));
         let extent = extent(piece);
         let w = plane(&sight.w, s);
-        let offset = [plane(&sight.x, s) / w, plane(&sight.y, s) / w];
-        let depth = plane(&sight.z, s) / w;
-        // The derivative of a quotient: what is left of the plane's own slope is that of w, seen at the offset.
-        let along = |derivative: [f32; 3], extent: f32| {
-            let of = |p: &[f32; 4]| dot([p[0], p[1], p[2]], derivative);
-            let (slope, share) = (of(&sight.w), extent / w);
-            let quotient = |p: &[f32; 4], value: f32| (of(p) - value * slope) * share;
-            [quotient(&sight.x, offset[0]), quotient(&sight.y, offset[1]), quotient(&sight.z, depth), slope * share]
-        };
+        let [x, y, depth] = [&sight.x, &sight.y, &sight.z].map(|p| plane(p, s) / w);
+        let (offset, value) = ([x, y], [x, y, depth]);
+        let along = |derivative, extent: f32| sight.along(value, derivative).map(|slope| slope * (extent / w));
         let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
-        let right = [sight.x[0], sight.x[1], sight.x[2]];
-        let squared_pixels = dot(right, right) / (w * w);
+        let squared_pixels = sight.squared_pixels(w);
         let side_u = dot(su, su) * (extent[0] * extent[0]) * squared_pixels;
         let side_v = dot(sv, sv) * (extent[1] * extent[1]) * squared_pixels;
         Place {
@@ -371,6 +338,14 @@ impl Problem<'_> {
             depth: [depth, along_u[2], along_v[2]],
         }
     }
+}
+
+/// The footprint of a pixel whose ray meets the piece at `uv`, by the place where the search came to know.
+fn footprint(piece: &PieceRecord, at: &Place, uv: [f32; 2]) -> Footprint {
+    let (right, up) = across(at.along_u, at.along_v);
+    let extent = extent(piece);
+    let gain = |gain: [f32; 2]| [0, 1].map(|k| gain[k] * extent[k]);
+    Footprint { center: uv, right: gain(right), up: gain(up), settled: true, lost: false }
 }
 
 /// A parameter moved into the part of the piece where seeds may stand.
@@ -494,15 +469,4 @@ fn newton_step(at: &Place) -> [f32; 2] {
     } else {
         step
     }
-}
-
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// A plane's value at a point.
-#[inline(always)]
-fn plane(p: &[f32; 4], at: [f32; 3]) -> f32 {
-    p[0] * at[0] + p[1] * at[1] + p[2] * at[2] + p[3]
 }

@@ -4,7 +4,7 @@
 //! each knot domain becomes 0 … 1. What is lost is 2⁻²⁴ of the face's own size, wherever in the world it lies.
 
 use crate::fragment::Fragment;
-use crate::layout::{FaceRecord, RATIONAL, REVERSED, View};
+use crate::layout::{BOUNDED, FaceRecord, RATIONAL, REVERSED, View};
 use crate::mask::{self, Masks};
 use gbuffer::{Hit, PrincipalCurvatures};
 use glam::{DMat4, DVec2, DVec3};
@@ -170,18 +170,19 @@ impl PackedScene {
         };
         for (id, face) in model.faces().iter().enumerate() {
             let surface = &model.surfaces()[face.surface];
+            let flags = if face.reversed { REVERSED } else { 0 } | if face.loops.is_empty() { 0 } else { BOUNDED };
             match scheme {
-                Scheme::General => packed.push(id, surface, face.reversed, Program::General)?,
+                Scheme::General => packed.push(id, surface, flags, Program::General)?,
                 Scheme::Specialised => {
                     let (raised, degree) = specialised(surface);
-                    packed.push(id, &raised, face.reversed, Program::Degree(degree))?;
+                    packed.push(id, &raised, flags, Program::Degree(degree))?;
                 }
             }
         }
         Ok(packed)
     }
 
-    fn push(&mut self, id: usize, surface: &Surface, reversed: bool, program: Program) -> Result<(), PackError> {
+    fn push(&mut self, id: usize, surface: &Surface, flags: u32, program: Program) -> Result<(), PackError> {
         let [ku, kv] = [Direction::U, Direction::V].map(|d| surface.knots(d));
         let size = surface.hull().diagonal() / 2.0;
         let scale = power_of_two_above(size).ok_or(PackError::Scale { face: id, size })?;
@@ -211,7 +212,7 @@ impl PackedScene {
             points: points as u32,
             last_u: last_span(&self.knots[knots_u..], ku.control_count()),
             last_v: last_span(&self.knots[knots_v..], kv.control_count()),
-            flags: if rational { RATIONAL } else { 0 } | if reversed { REVERSED } else { 0 },
+            flags: flags | if rational { RATIONAL } else { 0 },
             trims: 0,
             intervals: 0,
         });
@@ -237,9 +238,9 @@ impl PackedScene {
         Ok(start)
     }
 
-    /// Whether any face has less material than its whole surface.
+    /// Whether loops bound any face.
     pub fn is_trimmed(&self) -> bool {
-        self.faces.iter().any(|face| face.intervals > 0)
+        self.faces.iter().any(|face| face.flags & BOUNDED != 0)
     }
 
     /// The knots of a face in u and in v.

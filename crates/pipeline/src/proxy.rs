@@ -13,6 +13,13 @@ use scene::{Camera, FaceId, Model, Region, Viewport};
 /// Chord error in pixels to which a proxy is built unless another is asked for.
 pub const DEFAULT_CHORD_PX: f64 = 0.25;
 
+/// How much wider than the chord error the skirt of a bounded face is, pixels: what snapping moves its corners by, and what
+/// a pixel may be beyond the border and still be covered.
+const SKIRT_PX: f64 = 1.0 / 16.0;
+
+/// How many times that a skirt may measure along a parameter that comes to the border at a slant.
+const SLANT: f64 = 4.0;
+
 /// Cells a knot span is cut into at most, in each direction; a camera inside a face would ask for any number.
 const GREATEST_CELLS: usize = 256;
 
@@ -76,6 +83,15 @@ struct Lines {
     local: Vec<f32>,
 }
 
+/// The corners of a face.
+struct Grid {
+    lines: [Lines; 2],
+    /// Parameters of the corners, u outer; those of a skirt lie beyond the domain.
+    corners: Vec<[f32; 2]>,
+    /// How many corners a row in v has.
+    columns: usize,
+}
+
 impl Proxy {
     /// A tessellation whose flat triangles stay within `chord_px` pixels of the surface as `camera` sees it.
     ///
@@ -83,6 +99,10 @@ impl Proxy {
     /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the face's box
     /// ([`Camera::pixel_at`]). A face at the near plane, or one that would need over 256 cells a span, is coarser; what holds
     /// is always [`Self::chord`].
+    ///
+    /// A face that loops bound has a skirt: its triangles go on beyond the domain's border, along the tangents there, by what
+    /// they may fall short of the border; their parameters go on too. What lies beyond the border is cut
+    /// ([`is_shown`](crate::sight::is_shown)). No skirt goes on from a collapsed border.
     ///
     /// # Errors
     /// [`ProxyError`].
@@ -96,13 +116,18 @@ impl Proxy {
         if chord_px <= 0.0 || !chord_px.is_finite() {
             return Err(ProxyError::Chord { chord_px });
         }
-        let allowed = |surface: &Surface| chord_px * camera.pixel_at(viewport, surface.hull());
-        let grids: Vec<[Lines; 2]> = model
+        let grids = model
             .faces()
             .par_iter()
             .map(|face| {
                 let surface = &model.surfaces()[face.surface];
-                chord_lines(surface, allowed(surface))
+                let pixel = camera.pixel_at(viewport, surface.hull());
+                let lines = chord_lines(surface, chord_px * pixel);
+                if face.loops.is_empty() {
+                    Grid::plain(lines)
+                } else {
+                    Grid::with_skirts(surface, lines, (chord_px + SKIRT_PX) * pixel)
+                }
             })
             .collect();
         Self::over(model, scene, grids).ok_or(ProxyError::TooManyTriangles { chord_px })
@@ -115,29 +140,32 @@ impl Proxy {
     /// [`ProxyError::TooManyTriangles`].
     pub fn uniform(model: &Model, scene: &PackedScene, cells: usize) -> Result<Self, ProxyError> {
         let lines = || Lines { local: (0..=cells).map(|i| (i as f64 / cells as f64) as f32).collect() };
-        let grids = model.faces().iter().map(|_| [lines(), lines()]).collect();
+        let grids = model.faces().iter().map(|_| Grid::plain([lines(), lines()])).collect();
         Self::over(model, scene, grids).ok_or(ProxyError::TooManyTriangles { chord_px: f64::NAN })
     }
 
-    fn over(model: &Model, scene: &PackedScene, grids: Vec<[Lines; 2]>) -> Option<Self> {
-        let triangles: usize = grids.iter().map(|[u, v]| 2 * (u.local.len() - 1) * (v.local.len() - 1)).sum();
+    fn over(model: &Model, scene: &PackedScene, grids: Vec<Grid>) -> Option<Self> {
+        let triangles: usize = grids.iter().map(|grid| 2 * (grid.rows() - 1) * (grid.columns - 1)).sum();
         if triangles > GREATEST_TRIANGLES {
             return None;
         }
-        let meshes: Vec<(Vec<Vertex>, f64)> =
-            grids.par_iter().enumerate().map(|(id, grid)| mesh(model, scene, id, grid)).collect();
+        let meshes: Vec<Vec<Vertex>> =
+            grids.par_iter().enumerate().map(|(id, grid)| mesh(model, scene, id, &grid.corners)).collect();
+        let chord = |(id, grid): (usize, &Grid)| {
+            chord_bound(model.surface(FaceId(id as u32)), scene.frames[id].scale, &grid.lines)
+        };
         let mut proxy = Self {
             vertices: vec![],
             indices: Vec::with_capacity(3 * triangles),
             batches: vec![],
-            chord: meshes.iter().map(|(_, chord)| *chord).collect(),
+            chord: grids.par_iter().enumerate().map(chord).collect(),
             pieces: vec![],
         };
         for id in in_drawing_order(scene) {
             let base = proxy.vertices.len() as u32;
             let first = proxy.indices.len() as u32;
-            proxy.vertices.extend_from_slice(&meshes[id].0);
-            let [columns, rows] = [grids[id][1].local.len() as u32, grids[id][0].local.len() as u32];
+            proxy.vertices.extend_from_slice(&meshes[id]);
+            let [columns, rows] = [grids[id].columns, grids[id].rows()].map(|count| count as u32);
             for i in 0..rows - 1 {
                 for j in 0..columns - 1 {
                     let a = base + i * columns + j;
@@ -172,12 +200,16 @@ impl Proxy {
         let Some(first) = self.vertices.iter().position(of_face).filter(|_| self.pieces.is_empty()) else { return };
         let corners = &self.vertices[first..];
         let count = corners.iter().take_while(|vertex| of_face(vertex)).count();
-        let columns = corners[..count].iter().take_while(|vertex| vertex.uv[0] == corners[0].uv[0]).count();
-        let u = corners[..count].iter().step_by(columns).map(|vertex| vertex.uv[0]).collect();
-        let v = corners[..columns].iter().map(|vertex| vertex.uv[1]).collect();
-        let (moved, chord) = mesh(model, scene, id, &[Lines { local: u }, Lines { local: v }]);
+        let corners: Vec<[f32; 2]> = corners[..count].iter().map(|vertex| vertex.uv).collect();
+        let lines = [0, 1].map(|k| {
+            let mut local: Vec<f32> = corners.iter().map(|uv| uv[k].clamp(0.0, 1.0)).collect();
+            local.sort_by(f32::total_cmp);
+            local.dedup();
+            Lines { local }
+        });
+        let moved = mesh(model, scene, id, &corners);
         self.vertices[first..first + count].copy_from_slice(&moved);
-        self.chord[id] = chord;
+        self.chord[id] = chord_bound(model.surface(face), scene.frames[id].scale, &lines);
     }
 
     /// The hulls of all pieces of all faces, for technique `exact`: no pixel whose centre sees a piece, as `camera` has
@@ -296,35 +328,75 @@ fn cells_needed(bounds: &DerivativeBounds, width: f64, height: f64, allowed: f64
     n
 }
 
-/// The vertices of one face, u outer, and its chord bound.
-fn mesh(model: &Model, scene: &PackedScene, id: usize, [u, v]: &[Lines; 2]) -> (Vec<Vertex>, f64) {
+impl Grid {
+    fn plain(lines: [Lines; 2]) -> Self {
+        let [u, v] = &lines;
+        let corners = u.local.iter().flat_map(|&s| v.local.iter().map(move |&t| [s, t])).collect();
+        Self { columns: v.local.len(), corners, lines }
+    }
+
+    /// A grid that goes on beyond the domain by at least `width` model units along the tangents, but where the border
+    /// is collapsed.
+    fn with_skirts(surface: &Surface, lines: [Lines; 2], width: f64) -> Self {
+        let [u, v] = &lines;
+        // With the ends twice, once for the skirt: a share of the domain and whether, and to which side, to go beyond it.
+        let places = |lines: &Lines| -> Vec<(f32, f64)> {
+            let inside = lines.local.iter().map(|&t| (t, 0.0));
+            std::iter::once((0.0, -1.0)).chain(inside).chain([(1.0, 1.0)]).collect()
+        };
+        let (rows, columns) = (places(u), places(v));
+        let [[u0, u1], [v0, v1]] = surface.domain();
+        let corner = |(s, beyond_u): (f32, f64), (t, beyond_v): (f32, f64)| {
+            let d = surface.first_derivatives(u0 + (u1 - u0) * f64::from(s), v0 + (v1 - v0) * f64::from(t));
+            let area = d.su.cross(d.sv).length();
+            // Straight away from the border, whose tangent is `along`, it is a part of the way.
+            let gain = |speed: f64, along: f64, side: f64| {
+                let gain = (width * along / area).min(SLANT * width / speed);
+                if side != 0.0 && gain.is_finite() { side * gain } else { 0.0 }
+            };
+            let (speed_u, speed_v) = (d.su.length(), d.sv.length());
+            let beyond = [gain(speed_u, speed_v, beyond_u) / (u1 - u0), gain(speed_v, speed_u, beyond_v) / (v1 - v0)];
+            [s + beyond[0] as f32, t + beyond[1] as f32]
+        };
+        let corners = rows.iter().flat_map(|&row| columns.iter().map(move |&column| corner(row, column))).collect();
+        Self { columns: columns.len(), corners, lines }
+    }
+
+    fn rows(&self) -> usize {
+        self.corners.len() / self.columns
+    }
+}
+
+/// The vertices of one face at local parameters.
+fn mesh(model: &Model, scene: &PackedScene, id: usize, corners: &[[f32; 2]]) -> Vec<Vertex> {
     let surface = model.surface(FaceId(id as u32));
     let reversed = model.faces()[id].reversed;
     let frame = &scene.frames[id];
-    let mut vertices = Vec::with_capacity(u.local.len() * v.local.len());
-    for &s in &u.local {
-        for &t in &v.local {
-            let uv = frame.uv([s, t]);
-            let d = surface.first_derivatives(uv.x, uv.y);
-            let cross = d.su.cross(d.sv);
-            let normal = match cross.try_normalize() {
-                Some(n) if cross.length() > 1e-9 * d.su.length() * d.sv.length() => n,
-                _ => surface.inspect(uv.x, uv.y).normal.unit().unwrap_or_default(),
-            };
-            let normal = if reversed { -normal } else { normal };
-            vertices.push(Vertex {
-                position: frame.local(d.s),
-                uv: [s, t],
-                face: id as u32,
-                normal: normal.to_array().map(|x| x as f32),
-            });
+    let vertex = |&corner: &[f32; 2]| {
+        let border = corner.map(|t| t.clamp(0.0, 1.0));
+        let uv = frame.uv(border);
+        let d = surface.first_derivatives(uv.x, uv.y);
+        let cross = d.su.cross(d.sv);
+        let normal = match cross.try_normalize() {
+            Some(n) if cross.length() > 1e-9 * d.su.length() * d.sv.length() => n,
+            _ => surface.inspect(uv.x, uv.y).normal.unit().unwrap_or_default(),
+        };
+        let normal = if reversed { -normal } else { normal };
+        let [width, height] = frame.domain.map(|[start, end]| end - start);
+        let beyond = [corner[0] - border[0], corner[1] - border[1]].map(f64::from);
+        let position = d.s + d.su * (beyond[0] * width) + d.sv * (beyond[1] * height);
+        Vertex {
+            position: frame.local(position),
+            uv: corner,
+            face: id as u32,
+            normal: normal.to_array().map(|x| x as f32),
         }
-    }
-    (vertices, chord_bound(surface, frame.scale, u, v))
+    };
+    corners.iter().map(vertex).collect()
 }
 
 /// The greatest chord of any cell, from the bounds of the patches that it touches, plus what narrowing moves.
-fn chord_bound(surface: &Surface, scale: f64, u: &Lines, v: &Lines) -> f64 {
+fn chord_bound(surface: &Surface, scale: f64, [u, v]: &[Lines; 2]) -> f64 {
     let domain = surface.domain();
     let widest = |lines: &Lines, [start, end]: [f64; 2], [low, high]: [f64; 2]| {
         // Cells that overlap [low, high]; a line narrowed to f32 may stand half an ulp off its knot.

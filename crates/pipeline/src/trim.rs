@@ -8,14 +8,15 @@
 //! fragment is in its box.
 //!
 //! # Accuracy
-//! Ends of pieces are the same f32 for both pieces that meet there, so no ray slips between them. A fragment can be told
-//! the wrong side only of an edge that passes within [`PackedFrame::edge_band`](crate::PackedFrame::edge_band) of it.
+//! Ends of pieces are the same f32 for both pieces that meet there, so no ray slips between them. Parameters can be told
+//! the wrong side only of an edge that passes within [`PackedFrame::edge_band`](crate::PackedFrame::edge_band) of them.
 
 mod pack;
 
 use crate::layout::FaceRecord;
 use crate::mask;
 use crate::pack::PackedScene;
+use std::ops::Range;
 
 /// The greatest f32 below 1: parameters at the domain's end are classified as their neighbours inside.
 pub const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -31,12 +32,43 @@ pub fn is_material(scene: &PackedScene, face: &FaceRecord, uv: [f32; 2]) -> bool
     if let Some(masks) = &scene.masks {
         return mask::is_material(scene, masks, face, uv);
     }
+    locate(scene, face, uv.map(|t| t.min(BELOW_ONE))).is_some_and(|at| (at.left - at.edges.start) % 2 == 1)
+}
+
+/// Whether an edge of a face that is trimmed by its curves may be within `reach` of local parameters, in u and v: one of
+/// the two beside them is, or another interval. A texel knows of no edges.
+pub(crate) fn is_at_edge(scene: &PackedScene, face: &FaceRecord, uv: [f32; 2], reach: [f32; 2]) -> bool {
+    if face.intervals == 0 || scene.masks.is_some() {
+        return false;
+    }
     let [u, v] = uv.map(|t| t.min(BELOW_ONE));
+    let ends = &scene.knots[face.trims as usize..][..face.intervals as usize + 1];
+    let Some(Located { interval, edges, left }) = locate(scene, face, [u, v]) else {
+        return v + reach[1] >= ends[0] && v - reach[1] < ends[face.intervals as usize];
+    };
+    v - reach[1] < ends[interval]
+        || v + reach[1] >= ends[interval + 1]
+        || (left > edges.start && u - reach[0] < scene.points[left - 1][1])
+        || (left < edges.end && u + reach[0] >= scene.points[left][0])
+}
+
+/// Where parameters are among a face's edges.
+struct Located {
+    /// Index of the interval that v is in.
+    interval: usize,
+    /// Its edges among the points.
+    edges: Range<usize>,
+    /// Those before this one pass on the left, the others do not.
+    left: usize,
+}
+
+/// Finds parameters below 1 among the edges of a face; `None` below all intervals and above them.
+fn locate(scene: &PackedScene, face: &FaceRecord, [u, v]: [f32; 2]) -> Option<Located> {
     let intervals = face.intervals as usize;
     let trims = &scene.knots[face.trims as usize..][..2 * (intervals + 1)];
     let (ends, starts) = trims.split_at(intervals + 1);
     if !(v >= ends[0] && v < ends[intervals]) {
-        return false;
+        return None;
     }
     // ends[low] ≤ v < ends[high].
     let (mut low, mut high) = (0, intervals);
@@ -44,14 +76,13 @@ pub fn is_material(scene: &PackedScene, face: &FaceRecord, uv: [f32; 2]) -> bool
         let middle = (low + high) / 2;
         if v < ends[middle] { high = middle } else { low = middle }
     }
-    let [first, end] = [starts[low], starts[low + 1]].map(|index| index as usize);
-    // Edges before `left` pass on the left, those from `right` on do not.
-    let (mut left, mut right) = (first, end);
+    let edges = starts[low] as usize..starts[low + 1] as usize;
+    let (mut left, mut right) = (edges.start, edges.end);
     while left < right {
         let middle = (left + right) / 2;
         if passes_left(&scene.points, scene.points[middle], [u, v]) { left = middle + 1 } else { right = middle }
     }
-    (left - first) % 2 == 1
+    Some(Located { interval: low, edges, left })
 }
 
 /// Whether an edge, (least u, greatest u, index of its piece) in the fragment's interval, passes on the left of it.

@@ -11,6 +11,8 @@ use nurbs::MAX_ORDER;
 pub const LAYOUT: &str = include_str!("../../../shaders/layout.wgsl");
 /// Span, basis, surface.
 pub const EVAL: &str = include_str!("../../../shaders/eval.wgsl");
+/// A pixel's ray and its footprint.
+pub const SIGHT: &str = include_str!("../../../shaders/sight.wgsl");
 /// Trimming.
 pub const TRIM: &str = include_str!("../../../shaders/trim.wgsl");
 /// Trimming by masks, which stands in [`TRIM`]'s place.
@@ -52,6 +54,7 @@ pub struct Part {
 pub const PARTS: &[Part] = &[
     Part { of: None, file: "layout.wgsl", text: LAYOUT },
     Part { of: None, file: "eval.wgsl", text: EVAL },
+    Part { of: None, file: "sight.wgsl", text: SIGHT },
     Part { of: None, file: "trim.wgsl", text: TRIM },
     Part { of: None, file: "fragment.wgsl", text: FRAGMENT },
     Part { of: None, file: "shade.wgsl", text: SHADE },

@@ -5,7 +5,8 @@
 
 use crate::Rasterizer;
 use crate::setup::Triangle;
-use pipeline::newton::{self, Outcome, Sight};
+use pipeline::Sight;
+use pipeline::newton::{self, Outcome};
 
 /// Vertices of a hull.
 const CORNERS: u32 = 8;

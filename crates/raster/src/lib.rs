@@ -11,6 +11,7 @@
 mod bins;
 pub mod clip;
 pub mod coverage;
+mod cut;
 pub mod depth;
 mod exact;
 mod geometry;

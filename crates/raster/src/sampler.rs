@@ -5,12 +5,11 @@ use crate::coverage::covers;
 use crate::exact;
 use crate::rect::Rect;
 use crate::setup::Triangle;
-use crate::{Rasterizer, tile};
+use crate::{Rasterizer, cut, tile};
 use gbuffer::Hit;
 use pipeline::Technique;
 use pipeline::fragment::fragment;
 use pipeline::newton::Outcome;
-use pipeline::trim;
 
 /// Side of a square of triangles that are looked through for one sample, pixels.
 const SIDE: usize = 8;
@@ -83,9 +82,8 @@ impl<'a> PointSampler<'a> {
             let attributes = geometry.attributes(drawing, id);
             let normal = drawing.options.interpolated_normals.then(|| triangle.interpolate(weights, attributes.normal));
             let uv = triangle.interpolate(weights, attributes.uv);
-            let face = &drawing.scene.faces[attributes.face as usize];
-            let is_material = || trim::is_material(drawing.scene, face, uv.map(|t| t.clamp(0.0, 1.0)));
-            (depth > 0.0 && is_material()).then_some(Sample { face: attributes.face, uv, normal, depth })
+            let uv = cut::shown(self.raster, attributes.face, uv, [x as f32, y as f32]);
+            uv.filter(|_| depth > 0.0).map(|uv| Sample { face: attributes.face, uv, normal, depth })
         };
         let solved = |&id: &u32| {
             let (piece, triangle) = exact::far_side(self.raster, id, shift)?;

@@ -2,6 +2,7 @@
 
 use crate::Rasterizer;
 use crate::coverage::for_each_covered;
+use crate::cut::{Waiting, is_bounded};
 use crate::depth::{DepthTile, TILE};
 use crate::exact;
 use crate::rect::Rect;
@@ -13,7 +14,6 @@ use pipeline::Technique;
 use pipeline::edge;
 use pipeline::fragment::{Fragment, fragment_row};
 use pipeline::newton::Outcome;
-use pipeline::trim;
 
 /// Fragments that wait for the fragment program, all of one face.
 #[derive(Default)]
@@ -88,11 +88,16 @@ fn solved(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Tile {
 fn interpolated(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Option<Hit>> {
     let Rasterizer { drawing, geometry } = raster;
     let mut tile = DepthTile::new(rect);
+    let mut waiting = Waiting::default();
     for (owner, &id) in triangles.iter().enumerate() {
         let triangle = set_up(raster, id);
         let nearest = triangle.nearest();
         let attributes = geometry.attributes(drawing, id);
-        let face = &drawing.scene.faces[attributes.face as usize];
+        let is_bounded = is_bounded(raster, attributes.face);
+        if !is_bounded {
+            // Of equal depths the one drawn first stays.
+            waiting.decide(raster, &mut tile);
+        }
         for_each_covered(&triangle, rect, |x, y| {
             // No point of a triangle is nearer than its nearest corner: most hidden samples end here.
             if !tile.passes(x, y, nearest) {
@@ -100,12 +105,15 @@ fn interpolated(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Optio
             }
             let weights = triangle.weights(x, y);
             let depth = triangle.depth(weights);
-            let uv = || triangle.interpolate(weights, attributes.uv).map(|t| t.clamp(0.0, 1.0));
-            if face.intervals == 0 || (tile.passes(x, y, depth) && trim::is_material(drawing.scene, face, uv())) {
+            if !is_bounded {
                 tile.test(x, y, depth, owner as u32);
+            } else if tile.passes(x, y, depth) {
+                let uv = triangle.interpolate(weights, attributes.uv);
+                waiting.add(raster, &mut tile, attributes.face, uv, ([x, y], depth, owner as u32));
             }
         });
     }
+    waiting.decide(raster, &mut tile);
     let (pixels, starts) = tile.by_owner(triangles.len());
     if pixels.is_empty() {
         return vec![];
@@ -123,10 +131,11 @@ fn interpolated(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Optio
             run.face = attributes.face;
         }
         let triangle = set_up(raster, id);
+        let is_bounded = is_bounded(raster, attributes.face);
         for &pixel in seen {
             let (x, y) = position(rect, pixel);
             let weights = triangle.weights(x, y);
-            run.uv.push(triangle.interpolate(weights, attributes.uv));
+            run.uv.push(if is_bounded { waiting.shown(pixel) } else { triangle.interpolate(weights, attributes.uv) });
             if drawing.options.interpolated_normals {
                 run.normals.push(triangle.interpolate(weights, attributes.normal));
             }

@@ -14,7 +14,8 @@
 //! No point beyond the bound is reported, and none within a third of it is passed over in silence: it is a hit, part of
 //! a hit's run along the ray, or undecided.
 //!
-//! A root is a hit of the faces of its surface that have material there ([`Classifier`]); the others are trimmed away.
+//! A root is a hit of the faces of its surface that have material there ([`Classifier`]), edges included; the others are
+//! trimmed away.
 
 mod edge;
 mod line;
@@ -34,6 +35,9 @@ use scene::{Camera, FaceId, Model, Ray, Viewport};
 use std::cell::RefCell;
 use tree::Tree;
 pub use trim::{Classifier, PictureMap, Side};
+
+/// Twice the distance at which a point counts as on the ray: two faces' points may be that far apart.
+const EDGE_BOUNDS: f64 = 2.0;
 
 /// Rows of a picture that are cast together, so that only these rows' hits are held twice.
 const BAND: usize = 64;
@@ -146,7 +150,7 @@ impl<'m> Caster<'m> {
             match outcome {
                 Ok(point) if point.t >= ray.near && best.as_ref().is_none_or(|(old, _)| point.t <= old.t) => {
                     let key = |(point, face): &(Point, u32)| (point.t, *face, point.uv.x, point.uv.y);
-                    let found = self.material_faces(body, point.uv).next().map(|face| (point, face));
+                    let found = self.material_faces(ray, body, point.uv).next().map(|face| (point, face));
                     best = match (found, best) {
                         (Some(found), Some(old)) if key(&found) < key(&old) => Some(found),
                         (found, old) => old.or(found),
@@ -195,7 +199,7 @@ impl<'m> Caster<'m> {
         }
         let mut hits = vec![];
         for (point, face) in kept {
-            for face in self.material_faces(self.body_of(FaceId(face)), point.uv) {
+            for face in self.material_faces(ray, self.body_of(FaceId(face)), point.uv) {
                 hits.push(self.hit(FaceId(face), point.uv, point.t));
             }
         }
@@ -252,9 +256,17 @@ impl<'m> Caster<'m> {
         Hit { face, uv, t, position: point.derivatives.s, normal, curvature, edge: None }
     }
 
-    /// The faces of a body that have material at parameters `uv`, ascending.
-    fn material_faces<'b>(&'b self, body: &'b Body, uv: DVec2) -> impl Iterator<Item = u32> + 'b {
-        let is_material = move |face: &u32| self.classifiers[*face as usize].as_ref().is_none_or(|c| c.inside(uv));
+    /// The faces of a body that have material at parameters `uv`, ascending: a trim edge within [`EDGE_BOUNDS`] times the
+    /// distance at which a point counts as on the ray is material, so that a ray at an edge that two faces share meets one.
+    fn material_faces<'b>(&'b self, ray: &'b Ray, body: &'b Body, uv: DVec2) -> impl Iterator<Item = u32> + 'b {
+        let is_at_edge = move |classifier: &Classifier, face: u32| {
+            let d = self.model.surface(FaceId(face)).first_derivatives(uv.x, uv.y);
+            let speeds = DVec2::new(d.su.length(), d.sv.length());
+            classifier.is_at_edge(uv, speeds, EDGE_BOUNDS * self.residual_bound(ray, FaceId(face)))
+        };
+        let is_material = move |&face: &u32| {
+            self.classifiers[face as usize].as_ref().is_none_or(|c| c.inside(uv) || is_at_edge(c, face))
+        };
         body.faces.iter().copied().filter(is_material)
     }
 

@@ -216,6 +216,13 @@ impl Classifier {
         self.approach_edge(&second[..=p], map, nearest, halvings - 1);
     }
 
+    /// Whether an edge comes within `reach` of (u, v), in the metric of [`Self::side`], give or take a hundredth of it.
+    pub fn is_at_edge(&self, uv: DVec2, speeds: DVec2, reach: f64) -> bool {
+        let mut nearest = reach.next_up();
+        self.approach(0, uv, speeds, &mut nearest);
+        nearest <= reach
+    }
+
     fn winding(&self, uv: DVec2) -> i32 {
         let mut sum = 0;
         let mut stack = vec![0];

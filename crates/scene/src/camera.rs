@@ -260,19 +260,18 @@ impl Camera {
         Some(DVec2::new(x, y))
     }
 
-    /// By how many pixels the picture of a world point moves for each unit that it moves `along`: the derivative of
-    /// [`Self::picture`], which must have the point in front of the eye.
-    pub fn picture_derivative(&self, viewport: Viewport, p_world: DVec3, along: DVec3) -> DVec2 {
+    /// By how many pixels the picture of a point in front of the eye moves, x to the right and y down, for each model unit
+    /// that the point moves along `direction`, as a derivative.
+    pub fn picture_derivative(&self, viewport: Viewport, p_world: DVec3, direction: DVec3) -> DVec2 {
         let q = p_world - self.eye;
         let depth = q.dot(self.forward);
-        let scale = self.pixels_per_unit(viewport, depth);
-        // Perspective: what comes nearer grows.
-        let nearer = match self.projection {
-            Projection::Perspective { .. } => along.dot(self.forward) / depth,
+        // In perspective what recedes moves toward the picture's middle.
+        let recedes = match self.projection {
+            Projection::Perspective { .. } => direction.dot(self.forward) / depth,
             Projection::Orthographic { .. } => 0.0,
         };
-        let across = along - nearer * q;
-        DVec2::new(across.dot(self.right), -across.dot(self.above)) * scale
+        let across = direction - q * recedes;
+        DVec2::new(across.dot(self.right), -across.dot(self.above)) * self.pixels_per_unit(viewport, depth)
     }
 
     /// The most pixels by which the pictures of two points can differ that are `radius` model units apart, one of

@@ -66,7 +66,7 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "swapped u and v",
-        replace: &[("fragment(in.face, in.uv)", "fragment(in.face, in.uv.yx)")],
+        replace: &[("return fragment(in.face, in.uv);", "return fragment(in.face, in.uv.yx);")],
         scenes: &[Scene::Bicubic, Scene::ManySpans, Scene::Rational],
         cause: Cause::Parameters,
     },
@@ -129,7 +129,7 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "parameters interpolated to eight bits",
-        replace: &[("let f = fragment(in.face, in.uv);", "let f = fragment(in.face, floor(in.uv * 64.0) / 64.0);")],
+        replace: &[("return fragment(in.face, in.uv);", "return fragment(in.face, floor(in.uv * 64.0) / 64.0);")],
         scenes: SURFACES,
         cause: Cause::Interpolation,
     },
@@ -160,8 +160,8 @@ const FAULTS: &[Fault] = &[
     Fault {
         name: "fragments of some faces thrown away",
         replace: &[(
-            "let f = fragment(in.face, in.uv);",
-            "if (in.face % 3u == 0u) { discard; } let f = fragment(in.face, in.uv);",
+            "return fragment(in.face, in.uv);",
+            "if (in.face % 3u == 0u) { discard; } return fragment(in.face, in.uv);",
         )],
         scenes: &[Scene::Rational, Scene::Wave],
         cause: Cause::Coverage,
@@ -180,13 +180,13 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "non-zero for even-odd",
-        replace: &[("(left - first) % 2u == 1u", "(left - first) > 0u")],
+        replace: &[("(at.left - at.first) % 2u == 1u", "(at.left - at.first) > 0u")],
         scenes: TRIMMED,
         cause: Cause::Trim,
     },
     Fault {
         name: "material and holes exchanged",
-        replace: &[("(left - first) % 2u == 1u", "(left - first) % 2u == 0u")],
+        replace: &[("(at.left - at.first) % 2u == 1u", "(at.left - at.first) % 2u == 0u")],
         scenes: TRIMMED,
         cause: Cause::Trim,
     },
@@ -198,16 +198,13 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "the last edge of an interval forgotten",
-        replace: &[("var right = u32(knots[starts + low + 1u]);", "var right = u32(knots[starts + low + 1u]) - 1u;")],
+        replace: &[("let end = u32(knots[starts + low + 1u]);", "let end = u32(knots[starts + low + 1u]) - 1u;")],
         scenes: &[Scene::Islands],
         cause: Cause::Trim,
     },
     Fault {
         name: "edges in the wrong order",
-        replace: &[(
-            "passes_left(points[middle], at)",
-            "passes_left(points[first + u32(knots[starts + low + 1u]) - 1u - middle], at)",
-        )],
+        replace: &[("passes_left(points[middle], at)", "passes_left(points[first + end - 1u - middle], at)")],
         scenes: TRIMMED,
         cause: Cause::Trim,
     },
@@ -215,6 +212,21 @@ const FAULTS: &[Fault] = &[
         name: "edges bisected once",
         replace: &[("const BISECTIONS: u32 = 24u;", "const BISECTIONS: u32 = 1u;")],
         scenes: &[Scene::Islands],
+        cause: Cause::Trim,
+    },
+    Fault {
+        name: "a trim decided where the triangle is, not where the ray is",
+        replace: &[(
+            "is_shown(faces[in.face], at)",
+            "is_shown(faces[in.face], Footprint(in.uv, at.right, at.up, true, false))",
+        )],
+        scenes: TRIMMED,
+        cause: Cause::Trim,
+    },
+    Fault {
+        name: "faces drawn a quarter pixel beyond their edges",
+        replace: &[("const NEAR_PX: f32 = 1.0 / 256.0;", "const NEAR_PX: f32 = 1.0 / 4.0;")],
+        scenes: TRIMMED,
         cause: Cause::Trim,
     },
     Fault {

@@ -7,7 +7,7 @@ use naga::{Expression, Literal, Module, TypeInner};
 use nurbs::NormalStatus;
 use pipeline::eval::{COLLAPSED, PARALLEL};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{FaceRecord, PieceRecord, Program, RATIONAL, REVERSED, Technique, View, edge, newton};
+use pipeline::{BOUNDED, FaceRecord, PieceRecord, Program, RATIONAL, REVERSED, Technique, View, edge, newton, sight};
 use std::mem::offset_of;
 
 fn variants() -> Vec<Variant> {
@@ -118,6 +118,7 @@ fn constants_have_the_same_values() {
     let module = module();
     assert_eq!(constant(&module, "RATIONAL"), Literal::U32(RATIONAL));
     assert_eq!(constant(&module, "REVERSED"), Literal::U32(REVERSED));
+    assert_eq!(constant(&module, "BOUNDED"), Literal::U32(BOUNDED));
     assert_eq!(constant(&module, "PARALLEL"), Literal::F32(PARALLEL));
     assert_eq!(constant(&module, "COLLAPSED"), Literal::F32(COLLAPSED));
     assert_eq!(constant(&module, "REGULAR"), Literal::U32(NormalStatus::Regular as u32));
@@ -136,7 +137,8 @@ fn constants_have_the_same_values() {
         ("ONE_END", newton::ONE_END),
         ("ASIDE", newton::ASIDE),
         ("SHORT", newton::SHORT),
-        ("NEAR_PX", newton::NEAR_PX),
+        ("NEAR_PX", sight::NEAR_PX),
+        ("REACH_PX", sight::REACH_PX),
         ("LAST_BEND_PX", newton::LAST_BEND_PX),
         ("PROMISE", newton::PROMISE),
         ("INSIDE", newton::INSIDE),
@@ -145,7 +147,7 @@ fn constants_have_the_same_values() {
         ("STEP_EDGE_ON", newton::STEP_EDGE_ON),
         ("SLOW", newton::SLOW),
         ("ONE_SEED", newton::ONE_SEED),
-        ("NEARLY_SINGULAR", newton::NEARLY_SINGULAR),
+        ("NEARLY_SINGULAR", sight::NEARLY_SINGULAR),
         ("DAMPING", newton::DAMPING),
         ("GREATEST", f32::MAX),
     ] {
