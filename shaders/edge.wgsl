@@ -53,6 +53,7 @@ fn edge(face_id: u32, uv: vec2<f32>, at: vec2<f32>) -> u32 {
     let first = edge_map(here, uv);
     var by = first;
     var word = 0u;
+    var offset = vec2<f32>();
     var squared = EDGE_REACH_PX * EDGE_REACH_PX;
     for (var k = 0u; k < EDGE_MAPS; k++) {
         if (!by.sound) {
@@ -68,9 +69,14 @@ fn edge(face_id: u32, uv: vec2<f32>, at: vec2<f32>) -> u32 {
         let y = here.offset.y;
         if (!here.behind && x * x + y * y <= squared) {
             squared = x * x + y * y;
-            word = edge_packed(here.offset);
+            offset = here.offset;
+            word = edge_packed(offset);
         }
         by = edge_map(here, foot.uv);
+    }
+    // A face covers a centre that is a little beyond its border; the edge is recorded on the side where it ends.
+    if (word != 0u && squared <= NEAR_PX * NEAR_PX && !is_material(face, first.center)) {
+        word = edge_packed(-offset);
     }
     return word;
 }

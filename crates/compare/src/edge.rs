@@ -7,10 +7,11 @@ use glam::{DMat2, DVec2};
 use nurbs::{BezierCurve, Surface};
 use pipeline::edge::{EDGE_ON, STEPS};
 use pipeline::enclosure::enclose;
+use pipeline::sight::NEAR_PX;
 use scene::{Camera, Region, Viewport};
 
 /// How far from a pixel's centre edges are looked at, pixels of the linear map at the hit.
-const NEAR_PX: f64 = 2.0 * EDGE_REACH_PX;
+const LOOKED_PX: f64 = 2.0 * EDGE_REACH_PX;
 
 /// Halvings to the ends of the part of a piece that is as near.
 const HALVINGS: u32 = 40;
@@ -87,8 +88,8 @@ impl Judge<'_> {
         // By its linear map the program finds some place; in the picture that is farther off the centre by the map's error
         // there than by the map, and the nearest place was nearer by the map's error at that.
         let (nearest, _) = about.least(&parts, |uv| about.true_offset(uv).length() + about.bend(uv));
-        let (by_map, place) = about.least(&parts, |uv| about.linear_offset(uv).length());
-        let bent = about.greatest_bend(&parts, by_map + band + CHORDS_PX).max(about.bend(place));
+        let (by_map, shown) = about.least(&parts, |uv| about.linear_offset(uv).length());
+        let bent = about.greatest_bend(&parts, by_map + band + CHORDS_PX).max(about.bend(shown));
         let bound = band + CHORDS_PX + bent;
         let Some(edge) = hit.edge else {
             return if EDGE_REACH_PX <= nearest + bound {
@@ -99,9 +100,12 @@ impl Judge<'_> {
             };
         };
         let (aside, _) = about.least(&parts, |uv| about.true_offset(uv).distance(edge));
+        // Where the centre is a little beyond the edge, that is recorded as far on the other side.
+        let near = f64::from(NEAR_PX);
+        let place = if edge.length() <= near + band { band + 2.0 * near } else { band };
         let farther = edge.length() - nearest.min(EDGE_REACH_PX);
-        if aside > band || !aside.is_finite() {
-            return wrong(aside / band, format!("no edge at {edge} px but {aside:.5} px aside; bound {band:.5}"));
+        if aside > place || !aside.is_finite() {
+            return wrong(aside / place, format!("no edge at {edge} px but {aside:.5} px aside; bound {place:.5}"));
         }
         if farther > bound {
             return wrong(
@@ -172,7 +176,7 @@ impl About<'_> {
     /// The parts of the edges that are near the centre by the linear map.
     fn parts<'r>(&self, region: &'r Region) -> Vec<Part<'r>> {
         let per_pixel = self.slopes.inverse();
-        let extent = NEAR_PX * DVec2::new(per_pixel.row(0).length(), per_pixel.row(1).length());
+        let extent = LOOKED_PX * DVec2::new(per_pixel.row(0).length(), per_pixel.row(1).length());
         let center = self.uv - per_pixel * self.offset;
         let (low, high) = (center - extent, center + extent);
         let part = |curve: &'r BezierCurve| {

@@ -21,7 +21,8 @@ pub struct Hit {
     pub curvature: Option<PrincipalCurvatures>,
     /// From the pixel's centre to the nearest place of the hit's own face's trim edges as they are seen in the picture:
     /// pixels, to the right and down, no longer than [`EDGE_REACH_PX`]. Its length is the signed distance of the centre,
-    /// which has material: a half-plane bounded there covers more than half of the pixel.
+    /// which has material: a half-plane bounded there covers more than half of the pixel. A renderer that shows a centre a
+    /// little beyond the edge records the opposite offset.
     ///
     /// `None` where no edge is that near, and where edges were not asked for ([`GBuffer::has_edges`](crate::GBuffer::has_edges)).
     pub edge: Option<DVec2>,

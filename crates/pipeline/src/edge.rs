@@ -26,7 +26,8 @@ pub(crate) use pack::Leaf;
 use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives};
 use crate::layout::{FaceRecord, View};
-use crate::trim::point;
+use crate::sight::NEAR_PX;
+use crate::trim::{self, point};
 use nurbs::MAX_ORDER;
 
 /// How far from a pixel's centre an edge is looked for, pixels, in any direction.
@@ -103,6 +104,9 @@ struct Foot {
 /// The offset in pixels, right and down, from picture position `at` (a pixel's centre, pixels from the top left) to the
 /// nearest edge of `face`, within [`REACH_PX`].
 ///
+/// Where the centre is beyond the edge, by [`NEAR_PX`] at most, the offset is the opposite of that: a hit is always inside,
+/// and it says in which direction the face ends.
+///
 /// `uv` are local parameters, 0 … 1, of a point that is seen near there; the search begins at the place that they have at
 /// `at` itself, by one step of Newton's method.
 pub fn edge(scene: &PackedScene, view: &View, face: u32, uv: [f32; 2], at: [f32; 2]) -> Option<[f32; 2]> {
@@ -132,7 +136,9 @@ pub fn edge(scene: &PackedScene, view: &View, face: u32, uv: [f32; 2], at: [f32;
         let Some(next) = map(&here, place) else { break };
         by = next;
     }
-    best
+    // A face covers a centre that is a little beyond its border; the edge is recorded on the side where it ends.
+    let is_beyond = squared <= NEAR_PX * NEAR_PX && !trim::is_material(scene, f, first.center);
+    if is_beyond { best.map(|[x, y]: [f32; 2]| [-x, -y]) } else { best }
 }
 
 impl Map {
