@@ -44,7 +44,7 @@ fn shown(in: VertexOutput) -> Fragment {
 @fragment
 fn fragment_gbuffer(in: VertexOutput) -> GBufferOutput {
     let f = shown(in);
-    return gbuffer_output(in.face, f);
+    return gbuffer_output(in.face, f, in.clip.xy);
 }
 
 @fragment

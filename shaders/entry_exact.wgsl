@@ -257,7 +257,7 @@ fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let meeting = meetings[shown - 1u];
     let face = pieces[meeting.piece].face;
-    let g = gbuffer_output(face, fragment(face, vec2<f32>(meeting.u, meeting.v)));
+    let g = gbuffer_output(face, fragment(face, vec2<f32>(meeting.u, meeting.v)), vec2<f32>(id.xy) + 0.5);
     textureStore(identity_target, id.xy, g.identity);
     textureStore(position_target, id.xy, g.position);
     textureStore(normal_target, id.xy, g.normal);

@@ -2,15 +2,16 @@
 
 // Four targets of 16 bytes. All-zero means that nothing was drawn: the face is stored plus one.
 struct GBufferOutput {
-    @location(0) identity: vec4<u32>, // face + 1, status, span in u, span in v
+    @location(0) identity: vec4<u32>, // face + 1, status and edge (edge.wgsl), span in u, span in v
     @location(1) position: vec4<f32>, // S in local coordinates, u
     @location(2) normal: vec4<f32>,   // unit normal, v
     @location(3) shape: vec4<f32>,    // k1, k2 in local units, |S_u|, |S_v|
 }
 
-fn gbuffer_output(face: u32, f: Fragment) -> GBufferOutput {
+// The answer of a fragment of the pixel with its centre at `at`.
+fn gbuffer_output(face: u32, f: Fragment, at: vec2<f32>) -> GBufferOutput {
     return GBufferOutput(
-        vec4<u32>(face + 1u, f.status, f.span),
+        vec4<u32>(face + 1u, f.status | edge(face, f.uv, at), f.span),
         vec4<f32>(f.position, f.uv.x),
         vec4<f32>(f.normal, f.uv.y),
         vec4<f32>(f.curvature, f.speed),

@@ -345,8 +345,10 @@ fn random_numbers_are_judged_and_differ() {
                 position: vector(),
                 normal: Normal::Regular(vector()),
                 curvature: Some(PrincipalCurvatures { k1: any(), k2: any() }),
+                edge: Some(DVec2::new(any(), any())),
             })
-        });
+        })
+        .with_edges(true);
         let pair = judged(&[written(&format!("random{round}"), &buffer)]).remove(0);
         assert_eq!((pair.verdict, pair.covered), (Verdict::Differ, sound.viewport().pixels()));
     }

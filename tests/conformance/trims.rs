@@ -3,6 +3,7 @@
 mod agreement;
 mod area;
 mod cracks;
+mod edges;
 pub mod frozen;
 mod plain;
 mod sides;

@@ -8,7 +8,7 @@ pub use saved::{Saved, SavedFile};
 
 use crate::format::Format;
 use crate::masks::{MaskReport, TrimArgs};
-use crate::stage::{Plan, ShadedReport, Stage};
+use crate::stage::{Antialias, Plan, ShadedReport, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use anyhow::{Context, Result, bail};
@@ -65,6 +65,9 @@ pub struct DrawingArgs {
     scheme: SchemeName,
     #[command(flatten)]
     trim: TrimArgs,
+    /// Whether edges are smoothed
+    #[arg(long, value_enum, default_value = "none")]
+    antialias: AntialiasName,
     /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are granted
     #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, allow_negative_numbers = true)]
     chord: f64,
@@ -83,6 +86,15 @@ pub enum TechniqueName {
     Fragment,
     /// Hulls of nearly flat pieces; each fragment solves for the point on its pixel's ray
     Exact,
+}
+
+/// Whether edges are smoothed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum AntialiasName {
+    /// A pixel is what its centre shows
+    None,
+    /// Trim edges, by the distance that each pixel records to its own face's (Persson 2011); G-buffers have it as `edge`
+    Trims,
 }
 
 impl From<TechniqueName> for Technique {
@@ -140,6 +152,14 @@ impl Shade {
 }
 
 impl DrawingArgs {
+    /// Whether edges are smoothed, in the renderers' own words.
+    pub fn antialias(&self) -> Antialias {
+        match self.antialias {
+            AntialiasName::None => Antialias::None,
+            AntialiasName::Trims => Antialias::Trims,
+        }
+    }
+
     /// The same in the renderers' own words.
     pub fn plan(&self) -> Plan {
         let scheme = match self.scheme {
@@ -151,6 +171,7 @@ impl DrawingArgs {
             scheme,
             chord_px: self.chord,
             trim: self.trim.trimming(),
+            antialias: self.antialias(),
             unbounded_share: self.unbounded,
         }
     }
@@ -205,7 +226,7 @@ fn rendered(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
-    let caster = Caster::new(&model);
+    let caster = Caster::new(&model).with_edges(stage.plan.antialias == Antialias::Trims);
     let shading = args.shade.shading();
     let rendered = stage.render(&caster, args.drawing.adapter.as_deref(), Some(&shading));
     let pairs = stage.compare(&caster, &rendered)?;

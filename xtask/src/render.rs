@@ -2,7 +2,7 @@
 
 use crate::compare::{DrawingArgs, Shade};
 use crate::masks::MaskReport;
-use crate::stage::Stage;
+use crate::stage::{Antialias, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use anyhow::Result;
@@ -70,7 +70,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         }
         With::Raycast => {
             let bar = terminal::progress("raycast", viewport.height());
-            Caster::new(&model).render(&camera, viewport, &|rows| bar.inc(rows as u64))
+            let edges = args.drawing.antialias() == Antialias::Trims;
+            Caster::new(&model).with_edges(edges).render(&camera, viewport, &|rows| bar.inc(rows as u64))
         }
     };
     if let Some(path) = &args.gbuffer {
@@ -79,6 +80,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if args.out.is_some() || (args.gbuffer.is_none() && terminal::is_terminal()) {
         let shading = args.shade.shading();
         let mut picture = buffer.shaded(&shading, &model, &camera)?;
+        if buffer.has_edges() {
+            picture = buffer.resolved(&picture, &camera)?;
+        }
         if let Some(legend) = shading.legend(viewport.height()).filter(|_| args.legend) {
             picture = Picture::beside(&[&picture, &legend]);
         }

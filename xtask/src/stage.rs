@@ -20,6 +20,16 @@ const COLOUR_STEPS: u8 = 2;
 /// view direction of the fragment stage comes from an interpolated position.
 const VIEW_ULPS: f32 = 128.0;
 
+/// Whether edges are smoothed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Antialias {
+    /// A pixel is what its centre shows.
+    #[default]
+    None,
+    /// Trim edges: each pixel records where one passes, and the picture is blended by that.
+    Trims,
+}
+
 /// How a model is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
@@ -31,6 +41,8 @@ pub struct Plan {
     pub chord_px: f64,
     /// How faces are trimmed.
     pub trim: Trimming,
+    /// Whether edges are smoothed.
+    pub antialias: Antialias,
     /// The share of covered pixels that may have a value without a bound in f32: what the scene states.
     pub unbounded_share: f64,
 }
@@ -42,6 +54,7 @@ impl Default for Plan {
             scheme: Scheme::default(),
             chord_px: DEFAULT_CHORD_PX,
             trim: Trimming::default(),
+            antialias: Antialias::default(),
             unbounded_share: UNBOUNDED_SHARE,
         }
     }
@@ -51,11 +64,17 @@ impl Plan {
     /// A model as the rasterizers read it.
     ///
     /// # Errors
-    /// Where it cannot be packed, or masks do not fit.
+    /// Where it cannot be packed, masks do not fit, or trim edges are asked for of masks, which have none.
     pub fn packed(&self, model: &Model, camera: &Camera, viewport: Viewport) -> Result<PackedScene> {
-        Ok(match &self.trim {
-            Trimming::Exact => PackedScene::new(model, self.scheme)?,
-            Trimming::Texture(options) => {
+        Ok(match (&self.trim, self.antialias) {
+            (Trimming::Exact, Antialias::None) => PackedScene::new(model, self.scheme)?,
+            (Trimming::Exact, Antialias::Trims) => PackedScene::with_edges(model, self.scheme)?,
+            (Trimming::Texture(_), Antialias::Trims) => {
+                bail!(
+                    "--antialias trims measures distances to trim curves, and --trim texture has masks instead of them"
+                )
+            }
+            (Trimming::Texture(options), Antialias::None) => {
                 let masks = Masks::new(MaskPlan::new(model, camera, viewport, options)?, options.fill);
                 PackedScene::masked(model, self.scheme, masks)?
             }

@@ -272,3 +272,37 @@ fn geiger_s_figures_are_drawn_and_timed() {
     );
     assert!(std::fs::metadata(out.join("fig17.png")).expect("a picture").len() > 1000);
 }
+
+#[test]
+fn trim_edges_are_recorded_blended_and_judged_on_request() {
+    let of = |antialias: &str| {
+        let [picture, buffer] = ["png", "npz"].map(|end| file(&format!("edges-{antialias}.{end}"), ""));
+        let [out, gbuffer] = [&picture, &buffer].map(|path| path.to_str().expect("UTF-8"));
+        let output = xtask(&[
+            "render",
+            "islands",
+            "--size",
+            "24x24",
+            "--antialias",
+            antialias,
+            "--out",
+            out,
+            "--gbuffer",
+            gbuffer,
+        ]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        (std::fs::read(out).expect("a picture"), gbuffer.to_owned())
+    };
+    let ((hard, without), (soft, with)) = (of("none"), of("trims"));
+    assert!(hard != soft);
+    // Of saved buffers those are judged by their edges that have some.
+    let edges = |path: &str| {
+        let output = xtask(&["compare", path, "--format", "json"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        report["pairs"][0]["edges"]["recorded"].as_u64()
+    };
+    assert_eq!(edges(&without), None);
+    assert!(edges(&with).is_some_and(|recorded| recorded > 10));
+    refused(&["render", "islands", "--antialias", "trims", "--trim", "texture"], &["--antialias", "--trim texture"]);
+}

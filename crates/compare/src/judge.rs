@@ -7,8 +7,8 @@ use crate::trim::{self, Place};
 use crate::{Cause, CompareError, Deviation, PairReport, PixelVerdict, Sampler, Shares, UNBOUNDED_SHARE};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
-use pipeline::PackedScene;
 use pipeline::sight::REACH_PX;
+use pipeline::{PackedScene, View};
 use rayon::prelude::*;
 use scene::{Camera, FaceId, Model, Viewport};
 
@@ -29,6 +29,7 @@ pub struct Judge<'m> {
     /// Diagonal of the model's box.
     pub(crate) size: f64,
     pub(crate) scene: &'m PackedScene,
+    pub(crate) views: Vec<View>,
     pub(crate) unbounded_share: f64,
     pub(crate) attribution: Attribution<'m>,
 }
@@ -51,7 +52,8 @@ impl<'m> Judge<'m> {
     pub fn new(model: &'m Model, camera: &'m Camera, viewport: Viewport, scene: &'m PackedScene) -> Self {
         let size = model.hull().diagonal();
         let attribution = Attribution::new(model);
-        Self { model, camera, viewport, size, scene, unbounded_share: UNBOUNDED_SHARE, attribution }
+        let views = scene.views(model, camera, viewport);
+        Self { model, camera, viewport, size, scene, views, unbounded_share: UNBOUNDED_SHARE, attribution }
     }
 
     /// The same judge for a scene in which another share of the covered pixels may have a value without a bound.
@@ -75,7 +77,10 @@ impl<'m> Judge<'m> {
     ///    the bound, everywhere;
     /// 5. *coverage*: a pixel that only the reference covers has an edge within the bound: a position where the
     ///    reference sees nothing, or a border of the face. Where loops bound the face, the border must be within
-    ///    [`Deviation::edge_px`], and a position where nothing is seen counts only beyond a fold.
+    ///    [`Deviation::edge_px`], and a position where nothing is seen counts only beyond a fold;
+    /// 6. *trim edges*, where the candidate was asked for them: there is one at the place that it records, none is nearer,
+    ///    and none is within reach where it records none, to within what f32 and the linear map at its own (u, v) may be
+    ///    off. A failure is `Trim`.
     ///
     /// A pixel that differs is `Undecided` where the reference says that it could not decide it, and else
     /// `NewtonNotConverged` where the candidate says that it did not converge. For a candidate of technique `exact` a

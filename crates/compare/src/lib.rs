@@ -8,6 +8,7 @@
 mod attribution;
 mod cause;
 mod deviation;
+mod edge;
 mod error;
 mod evaluation;
 mod judge;
@@ -23,7 +24,7 @@ pub use cause::Cause;
 pub use deviation::{ATTRIBUTE_ULPS, Deviation, EDGE_PX, EXACT_PX, Interpolation, SNAP_PX};
 pub use error::CompareError;
 pub use judge::Judge;
-pub use report::{Coverage, Identical, PairReport, PixelReport, PixelVerdict, Verdict};
+pub use report::{Coverage, Edges, Identical, PairReport, PixelReport, PixelVerdict, Verdict};
 pub use sampler::Sampler;
 pub use shares::{BINS, Histogram, Histograms, Shares};
 pub use tally::{UNBOUNDED_SHARE, UNDECIDED_SHARE};

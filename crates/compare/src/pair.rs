@@ -1,5 +1,6 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
+use crate::edge::EdgeFound;
 use crate::judge::{Difference, Judge};
 use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares};
 use gbuffer::{GBuffer, Hit};
@@ -25,6 +26,8 @@ pub(crate) struct Agreement {
     pub bound_px: f64,
     pub along: f64,
     pub shares: Shares,
+    /// The candidate's trim edge, where it was judged.
+    pub edge: Option<EdgeFound>,
 }
 
 /// The view of one pair of buffers.
@@ -43,7 +46,9 @@ impl Pair<'_, '_> {
         let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let result = match (self.reference.get(x, y), self.candidate.get(x, y)) {
             (None, None) => Ok(None),
-            (reference, Some(candidate)) => self.shown(center, reference, candidate).map(Some),
+            (reference, Some(candidate)) => self
+                .shown(center, reference, candidate)
+                .and_then(|found| Ok(Some(Agreement { edge: self.edge(center, candidate)?, ..found }))),
             (Some(reference), None) => self.missing(center, reference).map(|()| Some(Agreement::default())),
         };
         match result {
@@ -65,6 +70,11 @@ impl Pair<'_, '_> {
             return Cause::Trim;
         }
         if self.candidate.meta().technique == EXACT { Cause::MissedRoot } else { otherwise }
+    }
+
+    /// The candidate's trim edge, where it was asked for one.
+    fn edge(&self, center: DVec2, candidate: &Hit) -> Result<Option<EdgeFound>, Difference> {
+        if self.candidate.has_edges() { self.judge.edge(candidate, center) } else { Ok(None) }
     }
 
     /// A pixel that the candidate covers.
@@ -91,7 +101,7 @@ impl Pair<'_, '_> {
             (Some(a), Some(b)) => a.distance(b),
             _ => f64::INFINITY,
         };
-        let agreement = Agreement { across_px, bound_px, along, shares };
+        let agreement = Agreement { across_px, bound_px, along, shares, edge: None };
         if same.is_some() && across_px <= bound_px {
             return Ok(agreement);
         }

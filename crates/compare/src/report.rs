@@ -63,6 +63,30 @@ pub struct Identical {
     pub identical: usize,
 }
 
+/// Trim edges that a candidate recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Edges {
+    /// Agreeing pixels that record one.
+    pub recorded: usize,
+    /// The farthest that one of them is from an edge, or farther than the nearest, pixels.
+    pub max_px: f64,
+    /// The bound at that pixel, pixels.
+    pub bound_px: f64,
+    /// The largest bound of any of them, pixels.
+    pub greatest_bound_px: f64,
+}
+
+impl Edges {
+    /// Adds another part of the picture.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.recorded += other.recorded;
+        if self.max_px < other.max_px {
+            (self.max_px, self.bound_px) = (other.max_px, other.bound_px);
+        }
+        self.greatest_bound_px = self.greatest_bound_px.max(other.greatest_bound_px);
+    }
+}
+
 /// How far a candidate agrees with a reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairReport {
@@ -94,6 +118,9 @@ pub struct PairReport {
     pub bound_px: f64,
     /// The largest bound of any covered pixel, in pixels.
     pub greatest_bound_px: f64,
+    /// The candidate's trim edges, where it was asked for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edges: Option<Edges>,
     /// The largest distance along the ray in agreeing pixels that show the same face, in model units.
     pub max_along: f64,
     /// The largest |position − middle| at the candidate's own (u, v), as a share of its interval's half-width.

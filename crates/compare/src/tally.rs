@@ -2,7 +2,7 @@
 
 use crate::judge::Difference;
 use crate::pair::Pair;
-use crate::report::{Coverage, Identical, PairReport, PixelReport, Verdict, WORST};
+use crate::report::{Coverage, Edges, Identical, PairReport, PixelReport, Verdict, WORST};
 use crate::{Cause, Histograms};
 
 /// The share of covered pixels that may stay undecided in an agreement.
@@ -33,6 +33,7 @@ impl Tally {
             max_px: 0.0,
             bound_px: 0.0,
             greatest_bound_px: 0.0,
+            edges: pair.candidate.has_edges().then(Edges::default),
             max_along: 0.0,
             position_share: 0.0,
             normal_share: 0.0,
@@ -74,6 +75,14 @@ impl Tally {
                     (report.max_px, report.bound_px) = (found.across_px, found.bound_px);
                 }
                 report.greatest_bound_px = report.greatest_bound_px.max(found.bound_px);
+                if let (Some(edges), Some(edge)) = (&mut report.edges, found.edge) {
+                    edges.merge(&Edges {
+                        recorded: 1,
+                        max_px: edge.off_px,
+                        bound_px: edge.bound_px,
+                        greatest_bound_px: edge.bound_px,
+                    });
+                }
                 report.max_along = report.max_along.max(found.along);
                 report.position_share =
                     found.shares.position.map_or(report.position_share, |share| share.max(report.position_share));
@@ -102,6 +111,9 @@ impl Tally {
         if let (Some(a), Some(b)) = (&mut a.identical, b.identical) {
             a.alike += b.alike;
             a.identical += b.identical;
+        }
+        if let (Some(a), Some(b)) = (&mut a.edges, b.edges) {
+            a.merge(&b);
         }
         a.shares.merge(&b.shares);
         a.coverage.full += b.coverage.full;

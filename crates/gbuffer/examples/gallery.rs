@@ -88,6 +88,7 @@ fn first_hit(ray: &Ray) -> Option<Hit> {
         position: p,
         normal: Normal::Regular(normal),
         curvature: Some(PrincipalCurvatures { k1, k2 }),
+        edge: None,
     })
 }
 

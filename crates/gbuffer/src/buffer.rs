@@ -56,6 +56,8 @@ pub(crate) struct Parts {
     pub hits: Vec<Hit>,
     /// Undecided pixels in row-major order.
     pub undecided: Vec<u32>,
+    /// Whether trim edges were asked for.
+    pub edges: bool,
 }
 
 /// A viewport of hits. Memory is 4 bytes a pixel and one [`Hit`] a covered pixel.
@@ -68,6 +70,7 @@ pub struct GBuffer {
     hits: Vec<Hit>,
     /// Pixels that the renderer could not decide, in row-major order.
     undecided: Vec<u32>,
+    edges: bool,
 }
 
 impl GBuffer {
@@ -86,13 +89,13 @@ impl GBuffer {
             }
         }
         assert_eq!(index.len(), viewport.pixels(), "there are as many rows as the viewport is high");
-        Self { viewport, meta, index, hits, undecided: vec![] }
+        Self { viewport, meta, index, hits, undecided: vec![], edges: false }
     }
 
     /// Puts together what a file's reader has found consistent.
     pub(crate) fn from_parts(parts: Parts) -> Self {
-        let Parts { viewport, meta, index, hits, undecided } = parts;
-        Self { viewport, meta, index, hits, undecided }
+        let Parts { viewport, meta, index, hits, undecided, edges } = parts;
+        Self { viewport, meta, index, hits, undecided, edges }
     }
 
     /// The same buffer with other facts about where it comes from.
@@ -107,6 +110,16 @@ impl GBuffer {
         self.undecided.sort_unstable();
         self.undecided.dedup();
         self
+    }
+
+    /// The same buffer, in which a hit without an edge says that none is near, or (`false`) that none was asked for.
+    pub fn with_edges(self, edges: bool) -> Self {
+        Self { edges, ..self }
+    }
+
+    /// Whether the renderer was asked for trim edges.
+    pub fn has_edges(&self) -> bool {
+        self.edges
     }
 
     /// The size.

@@ -19,7 +19,17 @@ pub struct Hit {
     pub normal: Normal,
     /// Principal curvatures, signed with that normal; `None` where the renderer has none (a degenerate point).
     pub curvature: Option<PrincipalCurvatures>,
+    /// From the pixel's centre to the nearest place of the hit's own face's trim edges as they are seen in the picture:
+    /// pixels, to the right and down, no longer than [`EDGE_REACH_PX`]. Its length is the signed distance of the centre,
+    /// which has material: a half-plane bounded there covers more than half of the pixel. A renderer that shows a centre a
+    /// little beyond the edge records the opposite offset.
+    ///
+    /// `None` where no edge is that near, and where edges were not asked for ([`GBuffer::has_edges`](crate::GBuffer::has_edges)).
+    pub edge: Option<DVec2>,
 }
+
+/// How far from a pixel's centre trim edges are recorded, pixels, in any direction.
+pub const EDGE_REACH_PX: f64 = 1.0;
 
 /// The two principal curvatures, 1 / model unit, k1 ≥ k2.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,8 @@
 //!
 //! All renderers fill the same [`GBuffer`]; it goes to and from files as NumPy's `.npz` ([`GBuffer::write_npz`],
 //! [`GBuffer::read_npz`]). Pictures are made from it afterwards, by one [`Shading`] for all ([`GBuffer::shaded`]), whose
-//! WGSL twin is `shaders/shade.wgsl`; a [`Picture`] goes to a PNG file.
+//! WGSL twin is `shaders/shade.wgsl`; along trim edges they are blended ([`GBuffer::resolved`]) where a renderer was asked for
+//! them; a [`Picture`] goes to a PNG file.
 
 mod buffer;
 mod error;
@@ -10,10 +11,12 @@ mod hit;
 mod npy;
 mod npz;
 mod picture;
+mod resolve;
 mod shade;
 
 pub use buffer::{GBuffer, Meta};
 pub use error::GBufferError;
-pub use hit::{Hit, PrincipalCurvatures};
+pub use hit::{EDGE_REACH_PX, Hit, PrincipalCurvatures};
 pub use picture::Picture;
+pub use resolve::{Mixture, coverage};
 pub use shade::{ShadeInput, ShadeKind, ShadeUniform, Shading, background, shade_pixel, shade_tolerant, unorm8};

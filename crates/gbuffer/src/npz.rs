@@ -14,6 +14,7 @@
 //! | `normal` | f64, H × W × 3 | unit normal; NaN where its status is undefined | NaN | refused |
 //! | `status` | u8 | [`nurbs::NormalStatus`]: 0 regular, 1 limit, 2 undefined | 255 | undefined where `normal` is all NaN, else regular |
 //! | `k1`, `k2` | f64 | principal curvatures, 1 / model unit; NaN where there are none | NaN | both: none |
+//! | `edge` | f64, H × W × 2 | offset to the nearest trim edge of the face, pixels, right and down; NaN where none is within 1 | NaN | not asked for |
 //! | `undecided` | u8 | 1 where the renderer could not decide, else 0 | 0 or 1 | 0 |
 //! | `meta` | one text, `<U…` | a JSON object, see [`Meta`](crate::Meta); `json.loads(str(z["meta"]))` | | refused |
 //!
@@ -32,7 +33,7 @@ mod read;
 
 use crate::npy::Header;
 use crate::{GBuffer, GBufferError, Hit};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use meta::MetaText;
 use scene::Viewport;
 use std::fs::File;
@@ -113,11 +114,14 @@ impl GBuffer {
         archive.numbers("u", |hit| hit.uv.x)?;
         archive.numbers("v", |hit| hit.uv.y)?;
         archive.numbers("t", |hit| hit.t)?;
-        archive.vectors("pos", |hit| hit.position)?;
-        archive.vectors("normal", |hit| hit.normal.unit().unwrap_or(DVec3::NAN))?;
+        archive.vectors("pos", |hit| hit.position.to_array())?;
+        archive.vectors("normal", |hit| hit.normal.unit().unwrap_or(DVec3::NAN).to_array())?;
         archive.pixels("status", "|u1", |hit| [hit.map_or(NO_STATUS, |h| h.normal.status() as u8)])?;
         archive.numbers("k1", |hit| hit.curvature.map_or(f64::NAN, |k| k.k1))?;
         archive.numbers("k2", |hit| hit.curvature.map_or(f64::NAN, |k| k.k2))?;
+        if self.has_edges() {
+            archive.vectors("edge", |hit| hit.edge.unwrap_or(DVec2::NAN).to_array())?;
+        }
         archive.undecided()?;
         archive.meta()?;
         Ok(archive.zip.finish()?)
@@ -141,16 +145,15 @@ impl<W: Write + Seek> Archive<'_, W> {
         self.zip.write_all(&header.to_bytes())
     }
 
-    /// An array of `N` bytes a pixel; `components` is the length of its last dimension.
+    /// An array of `N` bytes a pixel.
     fn write<const N: usize>(
         &mut self,
         array: &str,
         descr: &str,
-        components: Option<u64>,
         values: impl Iterator<Item = [u8; N]>,
     ) -> io::Result<()> {
         let viewport = self.buffer.viewport();
-        self.start(array, Header::new(descr, shape(viewport, components)), (viewport.pixels() * N) as u64)?;
+        self.start(array, Header::new(descr, shape(viewport, None)), (viewport.pixels() * N) as u64)?;
         let mut chunk = Vec::with_capacity(N * CHUNK_ELEMENTS);
         for value in values {
             chunk.extend(value);
@@ -168,29 +171,34 @@ impl<W: Write + Seek> Archive<'_, W> {
         descr: &str,
         value: impl Fn(Option<&Hit>) -> [u8; N],
     ) -> io::Result<()> {
-        self.write(array, descr, None, self.buffer.pixels().map(value))
+        self.write(array, descr, self.buffer.pixels().map(value))
     }
 
     fn numbers(&mut self, array: &str, value: impl Fn(&Hit) -> f64) -> io::Result<()> {
         self.pixels(array, "<f8", |hit| hit.map_or(f64::NAN, &value).to_le_bytes())
     }
 
-    fn vectors(&mut self, array: &str, value: impl Fn(&Hit) -> DVec3) -> io::Result<()> {
-        let bytes = |hit: Option<&Hit>| {
-            let mut bytes = [0; 24];
-            for (part, x) in bytes.chunks_exact_mut(8).zip(hit.map_or(DVec3::NAN, &value).to_array()) {
-                part.copy_from_slice(&x.to_le_bytes());
+    fn vectors<const N: usize>(&mut self, array: &str, value: impl Fn(&Hit) -> [f64; N]) -> io::Result<()> {
+        let viewport = self.buffer.viewport();
+        let bytes = (viewport.pixels() * N * size_of::<f64>()) as u64;
+        self.start(array, Header::new("<f8", shape(viewport, Some(N as u64))), bytes)?;
+        let full = N * size_of::<f64>() * CHUNK_ELEMENTS;
+        let mut chunk = Vec::with_capacity(full);
+        for hit in self.buffer.pixels() {
+            chunk.extend(hit.map_or([f64::NAN; N], &value).into_iter().flat_map(f64::to_le_bytes));
+            if chunk.len() == full {
+                self.zip.write_all(&chunk)?;
+                chunk.clear();
             }
-            bytes
-        };
-        self.write(array, "<f8", Some(3), self.buffer.pixels().map(bytes))
+        }
+        self.zip.write_all(&chunk)
     }
 
     fn undecided(&mut self) -> io::Result<()> {
         let viewport = self.buffer.viewport();
         let (width, buffer) = (viewport.width(), self.buffer);
         let values = (0..viewport.pixels()).map(|i| [u8::from(buffer.is_undecided(i % width, i / width))]);
-        self.write("undecided", "|u1", None, values)
+        self.write("undecided", "|u1", values)
     }
 
     fn meta(&mut self) -> io::Result<()> {

@@ -45,11 +45,12 @@ fn sample() -> GBuffer {
             position: DVec3::new(x.sqrt(), -x / 7.0, f64::MAX),
             normal,
             curvature: i.is_multiple_of(4).then_some(PrincipalCurvatures { k1: x * 1e-310, k2: -x / 9.0 }),
+            edge: (i % 4 == 1).then(|| DVec2::new(-x / 16.0, 1.0 / 3.0)),
         };
         (i % 3 != 2).then_some(hit)
     };
     let rows = (0..HEIGHT).map(|y| (0..WIDTH).map(|x| pixel(y * WIDTH + x)).collect());
-    GBuffer::from_rows(viewport, meta(), rows).with_undecided([(4, 2), (2, 0), (2, 0)])
+    GBuffer::from_rows(viewport, meta(), rows).with_undecided([(4, 2), (2, 0), (2, 0)]).with_edges(true)
 }
 
 fn path(name: &str) -> PathBuf {
@@ -174,6 +175,7 @@ fn a_file_that_numpy_wrote_is_read() {
             position: DVec3::new(1.0, 2.0, 3.0),
             normal: Normal::Regular(DVec3::Z),
             curvature: Some(PrincipalCurvatures { k1: 0.75, k2: -0.5 }),
+            edge: None,
         })
     );
     assert_eq!(buffer.get(3, 2).unwrap().normal, Normal::Limit(DVec3::new(0.6, 0.8, 0.0)));
@@ -380,6 +382,8 @@ fn illegal_values_are_named_with_their_pixel() {
         ("k1", 4, 8, &f64::INFINITY.to_le_bytes(), 4),
         ("k2", 4, 8, &f64::NAN.to_le_bytes(), 4),
         ("k2", 6, 8, &1f64.to_le_bytes(), 6),
+        ("edge", 9, 16, &f64::NAN.to_le_bytes(), 9),
+        ("edge", 9, 16, &f64::INFINITY.to_le_bytes(), 9),
         ("undecided", 0, 1, &[9], 0),
     ];
     for &(member, pixel, size, element, seen) in cases {
@@ -390,6 +394,14 @@ fn illegal_values_are_named_with_their_pixel() {
             "{member} at {pixel}: {error}"
         );
     }
+}
+
+#[test]
+fn a_buffer_that_was_not_asked_for_edges_says_so_by_having_no_such_array() {
+    let without = sample().with_edges(false);
+    let back = read("without-edges.npz", &without.npz_bytes().unwrap()).unwrap();
+    assert!(!back.has_edges() && back.pixels().flatten().all(|hit| hit.edge.is_none()));
+    assert!(sample().has_edges() && sample().get(4, 1).unwrap().edge.is_some());
 }
 
 #[test]

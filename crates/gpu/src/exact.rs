@@ -346,6 +346,7 @@ mod tests {
             interpolated_normal: false,
             trimmed: false,
             masked: false,
+            edges: false,
         };
         let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();
         let size = |name: &str| {

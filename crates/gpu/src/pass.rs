@@ -208,6 +208,7 @@ impl<'a> Renderer<'a> {
                     interpolated_normal: interpolated_normals,
                     trimmed: scene.is_trimmed(),
                     masked: scene.masks.is_some(),
+                    edges: scene.edges,
                 };
                 let source = overrides.source.map_or_else(|| wgsl::source(variant), |source| source(variant));
                 vacant.insert(device.module(program, source)?);
@@ -282,7 +283,7 @@ impl<'a> Renderer<'a> {
                 },
             )
         });
-        let buffer = GBuffer::from_rows(viewport, meta, hits);
+        let buffer = GBuffer::from_rows(viewport, meta, hits).with_edges(self.scene.edges);
         match (failure, store) {
             (Some(error), _) => Err(error),
             (None, Store::Depth(_)) => Ok(buffer),
@@ -337,7 +338,7 @@ impl<'a> Renderer<'a> {
             .map(|x| {
                 let record =
                     Record { identity: word(0, x), position: float(1, x), normal: float(2, x), shape: float(3, x) };
-                Ok(record.pixel(x, y, self.scene.faces.len())?.map(|fragment| make(x, fragment)))
+                Ok(record.pixel(x, y, self.scene)?.map(|fragment| make(x, fragment)))
             })
             .collect()
     }

@@ -90,6 +90,7 @@ fn answers(
         interpolated_normal: false,
         trimmed: false,
         masked: false,
+        edges: false,
     };
     let module = device.module(program, wgsl::source(variant) + PROBE)?;
     let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, MaskBlend::default())?;
@@ -179,6 +180,7 @@ mod tests {
             interpolated_normal: false,
             trimmed: false,
             masked: false,
+            edges: false,
         };
         let module = naga::front::wgsl::parse_str(&(wgsl::source(variant) + PROBE)).unwrap();
         let members = |name: &str| {

@@ -28,6 +28,9 @@ pub struct Fragment {
     pub curvature: [f32; 2],
     /// |S_u| and |S_v| in local units.
     pub speed: [f32; 2],
+    /// From the pixel's centre to the face's nearest trim edge, pixels, right and down; not set by the program itself,
+    /// which knows of no picture, but by [`crate::edge`].
+    pub edge: Option<[f32; 2]>,
 }
 
 /// The tangent plane that a fragment evaluates, in the face's local coordinates.
@@ -227,6 +230,7 @@ impl Lane {
             status: if regular { NormalStatus::Regular } else { NormalStatus::Undefined },
             curvature,
             speed: self.speed,
+            edge: None,
         }
     }
 }

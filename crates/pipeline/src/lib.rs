@@ -3,6 +3,7 @@
 //! `raster` runs [`fragment`] from this crate, `gpu` runs its twin in WGSL ([`wgsl`]); both read the same
 //! [`PackedScene`], [`Proxy`] and [`View`]s, which module `pack` alone narrows from f64.
 
+pub mod edge;
 pub mod enclosure;
 pub mod eval;
 pub mod fragment;

@@ -107,6 +107,8 @@ pub struct PackedScene {
     pub programs: Vec<Program>,
     /// The masks by which faces are trimmed, where they are not by their curves.
     pub masks: Option<Masks>,
+    /// Whether fragments of trimmed faces look for the edge that passes by ([`crate::edge`]).
+    pub edges: bool,
 }
 
 impl PackedScene {
@@ -115,7 +117,20 @@ impl PackedScene {
     /// # Errors
     /// [`PackError`] where the model is too large to index or a face has no usable size.
     pub fn new(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
-        let mut packed = Self::whole(model, scheme)?;
+        Self::whole(model, scheme)?.trimmed(model)
+    }
+
+    /// As [`Self::new`], for fragments that look for the trim edge that passes by.
+    ///
+    /// # Errors
+    /// As of [`Self::new`].
+    pub fn with_edges(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
+        Self { edges: true, ..Self::whole(model, scheme)? }.trimmed(model)
+    }
+
+    /// The whole surfaces with all regions.
+    fn trimmed(self, model: &Model) -> Result<Self, PackError> {
+        let mut packed = self;
         for id in 0..packed.faces.len() {
             if let Some(region) = model.trimmed_region(FaceId(id as u32)) {
                 let (trims, intervals, band) = packed.push_region(region)?;
@@ -144,8 +159,15 @@ impl PackedScene {
 
     /// Packs the whole surfaces.
     fn whole(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
-        let mut packed =
-            Self { faces: vec![], knots: vec![], points: vec![], frames: vec![], programs: vec![], masks: None };
+        let mut packed = Self {
+            faces: vec![],
+            knots: vec![],
+            points: vec![],
+            frames: vec![],
+            programs: vec![],
+            masks: None,
+            edges: false,
+        };
         for (id, face) in model.faces().iter().enumerate() {
             let surface = &model.surfaces()[face.surface];
             let flags = if face.reversed { REVERSED } else { 0 } | if face.loops.is_empty() { 0 } else { BOUNDED };
@@ -279,6 +301,7 @@ impl PackedScene {
                 Normal::Undefined
             },
             curvature: regular.then_some(PrincipalCurvatures { k1, k2 }),
+            edge: fragment.edge.map(|[x, y]| DVec2::new(f64::from(x), f64::from(y))),
         }
     }
 }

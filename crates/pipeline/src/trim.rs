@@ -157,7 +157,7 @@ fn passes_left(points: &[[f32; 4]], edge: [f32; 4], at: [f32; 2], reach: &Reach,
 
 /// The homogeneous point of a piece, whose control points hold their binomial coefficients: Horner's scheme in t and
 /// 1 − t (Farin, *Curves and Surfaces for CAGD*, Sec. 5.3).
-fn point(control: &[[f32; 4]], t: f32) -> [f32; 3] {
+pub(crate) fn point(control: &[[f32; 4]], t: f32) -> [f32; 3] {
     let s = 1.0 - t;
     let (last, rest) = control.split_last().expect("a curve has control points");
     let mut power = 1.0;

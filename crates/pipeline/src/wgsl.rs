@@ -17,6 +17,10 @@ pub const SIGHT: &str = include_str!("../../../shaders/sight.wgsl");
 pub const TRIM: &str = include_str!("../../../shaders/trim.wgsl");
 /// Trimming by masks, which stands in [`TRIM`]'s place.
 pub const MASK: &str = include_str!("../../../shaders/mask.wgsl");
+/// Which trim edge passes by; [`NO_EDGE`] stands in its place where none is looked for.
+pub const EDGE: &str = include_str!("../../../shaders/edge.wgsl");
+/// What a program has in place of [`EDGE`].
+pub const NO_EDGE: &str = "fn edge(face: u32, uv: vec2<f32>, at: vec2<f32>) -> u32 { return 0u; }\n";
 /// What draws masks; a program of its own.
 pub const ENTRY_MASK: &str = include_str!("../../../shaders/entry_mask.wgsl");
 /// The fragment program.
@@ -45,7 +49,8 @@ pub struct Part {
     pub text: &'static str,
 }
 
-/// All parts of a program, in the order in which they are put together; [`MASK`] may stand in [`TRIM`]'s place.
+/// All parts of a program, in the order in which they are put together; [`MASK`] may stand in [`TRIM`]'s place. Behind
+/// them stands [`EDGE`] or [`NO_EDGE`].
 pub const PARTS: &[Part] = &[
     Part { of: None, file: "layout.wgsl", text: LAYOUT },
     Part { of: None, file: "eval.wgsl", text: EVAL },
@@ -76,6 +81,8 @@ pub struct Variant {
     pub trimmed: bool,
     /// Whether faces are trimmed by masks ([`crate::mask`]).
     pub masked: bool,
+    /// Whether fragments look for the trim edge that passes by ([`crate::edge`]); not with masks.
+    pub edges: bool,
 }
 
 /// The source of a variant. Entry points of technique `fragment`: `vertex`, `fragment_gbuffer`, `fragment_shaded`; the
@@ -84,7 +91,7 @@ pub struct Variant {
 pub fn source(variant: Variant) -> String {
     let parts = PARTS.iter().filter(|part| part.of.is_none_or(|technique| technique == variant.technique));
     let text = |part: &Part| if variant.masked && part.text == TRIM { MASK } else { part.text };
-    parts.fold(prelude(variant), |source, part| source + text(part))
+    parts.fold(prelude(variant), |source, part| source + text(part)) + if variant.edges { EDGE } else { NO_EDGE }
 }
 
 fn prelude(variant: Variant) -> String {

@@ -11,6 +11,7 @@ use gbuffer::Hit;
 use glam::DVec3;
 use nurbs::Normal;
 use pipeline::Technique;
+use pipeline::edge;
 use pipeline::fragment::{Fragment, fragment_row};
 use pipeline::newton::Outcome;
 
@@ -170,6 +171,15 @@ fn shade(raster: &Rasterizer, rect: Rect, run: &mut Run, hits: &mut [Option<Hit>
 /// What is seen at picture position `at`, with the interpolated normal in place of the fragment's where there is one.
 pub fn hit(raster: &Rasterizer, fragment: &Fragment, at: [f64; 2], interpolated: Option<[f32; 3]>) -> Hit {
     let Rasterizer { drawing, .. } = raster;
+    let edge = if drawing.scene.edges {
+        let view = &drawing.views[fragment.face as usize];
+        let edge = edge::edge(drawing.scene, view, fragment.face, fragment.uv, at.map(|t| t as f32));
+        // As a GPU records it.
+        edge::unpacked(edge::packed(edge)).1
+    } else {
+        None
+    };
+    let fragment = &Fragment { edge, ..*fragment };
     let mut hit = drawing.scene.hit(fragment, &drawing.camera.ray(drawing.viewport, at[0], at[1]));
     if let Some([x, y, z]) = interpolated {
         let length = (x * x + y * y + z * z).sqrt();

@@ -17,6 +17,7 @@
 //! A root is a hit of the faces of its surface that have material there ([`Classifier`]), edges included; the others are
 //! trimmed away.
 
+mod edge;
 mod line;
 mod pieces;
 mod roots;
@@ -33,7 +34,7 @@ use roots::{Found, Search};
 use scene::{Camera, FaceId, Model, Ray, Viewport};
 use std::cell::RefCell;
 use tree::Tree;
-pub use trim::{Classifier, Side};
+pub use trim::{Classifier, PictureMap, Side};
 
 /// Twice the distance at which a point counts as on the ray: two faces' points may be that far apart.
 const EDGE_BOUNDS: f64 = 2.0;
@@ -48,6 +49,7 @@ pub struct Caster<'m> {
     tree: Tree,
     /// Of the faces that are trimmed.
     classifiers: Vec<Option<Classifier>>,
+    edges: bool,
 }
 
 /// What is first on a ray.
@@ -111,7 +113,12 @@ impl<'m> Caster<'m> {
         let tree = Tree::new(&pieces);
         let region = |id: usize| model.trimmed_region(FaceId(id as u32));
         let classifiers = (0..model.faces().len()).into_par_iter().map(|id| region(id).map(Classifier::new)).collect();
-        Self { model, pieces, tree, classifiers }
+        Self { model, pieces, tree, classifiers, edges: false }
+    }
+
+    /// The same, by which [`Self::render`] enters the trim edge that passes by each pixel, or (`false`) does not.
+    pub fn with_edges(self, edges: bool) -> Self {
+        Self { edges, ..self }
     }
 
     /// Number of pieces that the surfaces were cut into.
@@ -210,7 +217,9 @@ impl<'m> Caster<'m> {
                 .map(|x| {
                     let cast = self.first(&camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5));
                     doubts.extend(cast.undecided.map(|_| (x, y)));
-                    cast.hit
+                    let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                    let edge = |hit: &Hit| self.edge(hit, camera, viewport, center);
+                    cast.hit.map(|hit| Hit { edge: self.edges.then(|| edge(&hit)).flatten(), ..hit })
                 })
                 .collect();
             progress(1);
@@ -223,7 +232,7 @@ impl<'m> Caster<'m> {
             rows
         });
         let buffer = GBuffer::from_rows(viewport, Meta::new("raycast", "rays", self.model, camera), rows);
-        buffer.with_undecided(undecided.into_inner())
+        buffer.with_undecided(undecided.into_inner()).with_edges(self.edges)
     }
 
     /// The hit of a face at parameters `uv` and distance `t`: position, normal and curvature by `Surface::inspect`.
@@ -244,7 +253,7 @@ impl<'m> Caster<'m> {
         } else {
             (point.normal, curvature)
         };
-        Hit { face, uv, t, position: point.derivatives.s, normal, curvature }
+        Hit { face, uv, t, position: point.derivatives.s, normal, curvature, edge: None }
     }
 
     /// The faces of a body that have material at parameters `uv`, ascending: a trim edge within [`EDGE_BOUNDS`] times the

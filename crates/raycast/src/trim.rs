@@ -5,7 +5,7 @@
 //! number is a sum over chords, and only where the point is inside a hull is the curve halved. A box tree over all
 //! segments leaves out those that the ray toward +u passes by.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat2, DVec2, DVec3};
 use nurbs::{BezierCurve, MAX_ORDER, Rectangle};
 use scene::Region;
 
@@ -17,6 +17,12 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// The share by which a distance to the edge may be understated.
 const DISTANCE_SLACK: f64 = 0.01;
+
+/// How much farther than the nearest place of an edge a place may be that is taken for it, pixels.
+const PLACE_SLACK_PX: f64 = 1e-10;
+
+/// What lies within this share of the domain of a side of it lies on it.
+const ON_SIDE: f64 = 1e-10;
 
 /// Segments in a leaf of the box tree.
 const LEAF: usize = 4;
@@ -30,10 +36,37 @@ pub struct Side {
     pub distance: f64,
 }
 
+/// A picture about one of its points as a linear map of (u, v).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PictureMap {
+    /// The parameters of a point.
+    pub uv: DVec2,
+    /// Where the picture has it, pixels, from where distances are measured.
+    pub offset: DVec2,
+    /// What u (first column) and v add to that.
+    pub slopes: DMat2,
+}
+
+impl PictureMap {
+    /// Where the map has a point.
+    pub(crate) fn at(&self, uv: DVec2) -> DVec2 {
+        self.offset + self.slopes * (uv - self.uv)
+    }
+}
+
+/// The nearest place of an edge that is known.
+struct Nearest {
+    uv: Option<DVec2>,
+    /// No nearer place of it is farther than this, pixels.
+    distance: f64,
+}
+
 /// The loops of one region, made ready for many points.
 #[derive(Debug, Clone)]
 pub struct Classifier {
     domain: Rectangle,
+    /// Whether the face ends at the sides of the domain, as [`Region::ends_at`] has it.
+    ends: [[bool; 2]; 2],
     /// In the order of the tree's leaves.
     segments: Vec<BezierCurve>,
     nodes: Vec<Node>,
@@ -57,7 +90,8 @@ impl Classifier {
         let mut nodes = vec![];
         let end = segments.len();
         grow(&mut nodes, &mut segments, [0, end]);
-        Self { domain: region.domain(), segments: segments.into_iter().map(|(_, s)| s).collect(), nodes }
+        let ends = [0, 1].map(|axis| [0, 1].map(|side| region.ends_at(axis, side)));
+        Self { domain: region.domain(), ends, segments: segments.into_iter().map(|(_, s)| s).collect(), nodes }
     }
 
     /// Whether the point (u, v) of the closed domain is material: the winding number of all loops is not zero.
@@ -77,6 +111,109 @@ impl Classifier {
         let mut nearest = f64::INFINITY;
         self.approach(0, uv, speeds, &mut nearest);
         Side { inside: self.inside(uv), distance: nearest / (1.0 + DISTANCE_SLACK) }
+    }
+
+    /// The place, in (u, v), of all at which the face ends that is nearest by `map`, within `reach` pixels.
+    ///
+    /// The face ends at the loops inside its domain, but where they run along a seam or a side that is a point; and at the
+    /// other sides of the domain, where they have material. A map that takes a direction to nothing finds nothing.
+    pub fn nearest_edge(&self, map: &PictureMap, reach: f64) -> Option<DVec2> {
+        let per_pixel = map.slopes.inverse();
+        if !per_pixel.is_finite() {
+            return None;
+        }
+        let mut nearest = Nearest { uv: None, distance: reach };
+        for (axis, side) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            if self.ends[axis][side] {
+                self.approach_side(axis, side, map, &mut nearest);
+            }
+        }
+        // By how much u and v change at most within a pixel.
+        let extent = DVec2::new(per_pixel.row(0).length(), per_pixel.row(1).length());
+        let center = map.uv - per_pixel * map.offset;
+        let mut stack = vec![0];
+        while let Some(node) = stack.pop() {
+            let node: &Node = &self.nodes[node];
+            let within = nearest.distance * extent;
+            if !node.hull.meets(Rectangle { min: center - within, max: center + within }) {
+                continue;
+            }
+            match node.halves {
+                Some(halves) => stack.extend(halves),
+                None => {
+                    for segment in &self.segments[node.range[0]..node.range[1]] {
+                        if !self.runs_along_a_seam(segment) {
+                            let mut control = [DVec3::ZERO; MAX_ORDER];
+                            control[..=segment.degree()].copy_from_slice(segment.control());
+                            self.approach_edge(&control[..=segment.degree()], map, &mut nearest, HALVINGS);
+                        }
+                    }
+                }
+            }
+        }
+        nearest.uv
+    }
+
+    /// The side of the domain at which the face ends where it has material.
+    fn approach_side(&self, axis: usize, side: usize, map: &PictureMap, nearest: &mut Nearest) {
+        let mut start = self.domain.min;
+        start[axis] = [self.domain.min, self.domain.max][side][axis];
+        let mut end = self.domain.max;
+        end[axis] = start[axis];
+        let [a, b] = [start, end].map(|uv| map.at(uv));
+        let along = b - a;
+        let uv = start + (end - start) * (-a.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        // Where the foot has none, the nearest that has is on a loop.
+        let distance = map.at(uv).length();
+        if distance < nearest.distance && self.inside(uv) {
+            *nearest = Nearest { uv: Some(uv), distance };
+        }
+    }
+
+    fn runs_along_a_seam(&self, segment: &BezierCurve) -> bool {
+        let (hull, size) = (segment.hull(), self.domain.size());
+        let sides = [self.domain.min, self.domain.max];
+        (0..2).any(|axis| {
+            (0..2).any(|side| {
+                let near = |t: f64| (t - sides[side][axis]).abs() <= ON_SIDE * size[axis];
+                !self.ends[axis][side] && near(hull.min[axis]) && near(hull.max[axis])
+            })
+        })
+    }
+
+    /// Brings `nearest` to a part of a loop, of which only what lies in the domain counts.
+    fn approach_edge(&self, control: &[DVec3], map: &PictureMap, nearest: &mut Nearest, halvings: u32) {
+        let p = control.len() - 1;
+        let uv = |i: usize| control[i].truncate() / control[i].z;
+        let Rectangle { min, max } = self.domain;
+        let margin = ON_SIDE * self.domain.size();
+        let outside = |axis: usize| {
+            (0..=p).all(|i| uv(i)[axis] < min[axis] - margin[axis])
+                || (0..=p).all(|i| max[axis] + margin[axis] < uv(i)[axis])
+        };
+        if outside(0) || outside(1) {
+            return;
+        }
+        let (start, end) = (map.at(uv(0)), map.at(uv(p)));
+        let bend = (1..p).map(|i| distance_to_segment(map.at(uv(i)), start, end)).fold(0.0, f64::max);
+        let chord = distance_to_segment(DVec2::ZERO, start, end);
+        if nearest.distance <= chord - bend + PLACE_SLACK_PX {
+            return;
+        }
+        let inside = (0..=p).all(|i| (min - margin).cmple(uv(i)).all() && uv(i).cmple(max + margin).all());
+        let is_fine = bend <= PLACE_SLACK_PX || halvings == 0;
+        if inside && (is_fine || chord + bend < nearest.distance) {
+            let along = end - start;
+            let length = along.length_squared();
+            let share = if 0.0 < length { (-start.dot(along) / length).clamp(0.0, 1.0) } else { 0.0 };
+            *nearest = Nearest { uv: Some(uv(0) + (uv(p) - uv(0)) * share), distance: chord + bend };
+        }
+        if halvings == 0 || (inside && is_fine) {
+            return;
+        }
+        let (first, second) = halve(control);
+        self.approach_edge(&first[..=p], map, nearest, halvings - 1);
+        self.approach_edge(&second[..=p], map, nearest, halvings - 1);
     }
 
     /// Whether an edge comes within `reach` of (u, v), in the metric of [`Self::side`], give or take a hundredth of it.

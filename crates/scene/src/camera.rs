@@ -359,6 +359,17 @@ mod tests {
     }
 
     #[test]
+    fn the_derivative_of_the_picture_is_the_limit_of_its_differences() {
+        let viewport = Viewport::new(320, 200).unwrap();
+        for camera in cameras() {
+            let (p, along) = (DVec3::new(0.4, 0.3, 0.6), DVec3::new(0.3, -0.7, 0.5));
+            let at = |h: f64| camera.picture(viewport, p + h * along).unwrap();
+            let expected = (at(1e-5) - at(-1e-5)) / 2e-5;
+            assert!(camera.picture_derivative(viewport, p, along).distance(expected) < 1e-6 * expected.length());
+        }
+    }
+
+    #[test]
     fn row_zero_is_on_top_and_column_zero_on_the_left() {
         let viewport = Viewport::new(100, 100).unwrap();
         for camera in cameras() {

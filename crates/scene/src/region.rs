@@ -112,6 +112,8 @@ pub struct Region {
     pieces: Vec<Piece>,
     area: f64,
     whole: bool,
+    /// Whether the face ends at the least and at the greatest u, and at those of v: not at a seam, nor in a point.
+    ends: [[bool; 2]; 2],
     repairs: Repairs,
 }
 
@@ -141,7 +143,8 @@ impl Region {
         let size = frame.domain.size();
         let whole =
             pieces.iter().all(|p| p.on_border) && (area - size.x * size.y).abs() <= WHOLE_AREA * size.x * size.y;
-        Ok(Some(Self { domain: frame.domain, loops, pieces, area, whole, repairs }))
+        let ends = [0, 1].map(|axis| frame.ends(axis));
+        Ok(Some(Self { domain: frame.domain, loops, pieces, area, whole, ends, repairs }))
     }
 
     /// The surface's domain, in its own knots' (u, v).
@@ -161,6 +164,29 @@ impl Region {
     /// point on the border of the domain is to be classified as its neighbour inside.
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces
+    }
+
+    /// The pieces at which the face ends as it is seen: all but those along a seam, across which the surface goes on, and
+    /// along a side of the domain that is a point in space.
+    ///
+    /// What a loop cuts off beyond a seam is not repeated on the near side of it.
+    pub fn edges(&self) -> impl Iterator<Item = &Piece> {
+        self.pieces.iter().filter(|piece| self.is_edge(piece))
+    }
+
+    /// Whether a piece of the region is one of its [`Self::edges`].
+    pub fn is_edge(&self, piece: &Piece) -> bool {
+        let [start, end] = [piece.curve.start(), piece.curve.end()];
+        !piece.on_border || {
+            let axis = usize::from(start.x != end.x);
+            self.ends[axis][usize::from(start[axis] == self.domain.max[axis])]
+        }
+    }
+
+    /// Whether the face ends, where it has material, at the side of its domain where parameter `axis` (0 = u, 1 = v) is
+    /// least (0) or greatest (1): not at a seam, nor where the side is a point in space.
+    pub fn ends_at(&self, axis: usize, side: usize) -> bool {
+        self.ends[axis][side]
     }
 
     /// The area of the material inside the domain, in units of u times v, to 1e-12 of the domain's.
@@ -223,13 +249,19 @@ impl<'a> Frame<'a> {
 
     /// Whether the surface has no border across `axis`: it is closed, or both its sides are points.
     fn is_unbounded(&self, axis: usize) -> bool {
+        self.ends(axis) == [false; 2]
+    }
+
+    /// Whether the surface ends at its two sides across `axis`: it is not closed, and they are no points.
+    fn ends(&self, axis: usize) -> [bool; 2] {
         let Rectangle { min, max } = self.domain;
         let is_point = |at: f64| {
             let (mut a, mut b) = (min, max);
             (a[axis], b[axis]) = (at, at);
             self.distance(a, b) <= self.tolerance
         };
-        self.is_closed(axis) || (is_point(min[axis]) && is_point(max[axis]))
+        let closed = self.is_closed(axis);
+        [min, max].map(|side| !closed && !is_point(side[axis]))
     }
 
     /// The length in space of the straight segment from `a` to `b` in parameters, by chords.

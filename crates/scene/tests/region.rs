@@ -172,6 +172,26 @@ fn holes_alone_are_cut_from_the_natural_boundary() {
     assert!(material(&region, 1.0, 1.0) && !material(&region, 5.0, 5.0));
 }
 
+/// How long the edges are along u and along v, by their ends.
+fn edge_lengths(region: &Region) -> DVec2 {
+    region.edges().map(|piece| (piece.curve.end() - piece.curve.start()).abs()).sum()
+}
+
+#[test]
+fn a_face_ends_at_its_loops_and_at_sides_but_not_at_a_seam_nor_in_a_pole() {
+    let hole = || backwards(square(false, 0.25, 0.75));
+    let hole_alone = DVec2::splat(1.0);
+    let region = build(&plane(1.0), vec![hole()]).unwrap();
+    assert_eq!(edge_lengths(&region), hole_alone + DVec2::splat(2.0));
+    // Closed in u, 4 around; v ends at both rims, or at one and a pole.
+    let region = build(&cylinder(), vec![hole()]).unwrap();
+    assert_eq!(edge_lengths(&region), hole_alone + DVec2::new(8.0, 0.0));
+    assert!(region.ends_at(1, 0) && region.ends_at(1, 1) && !region.ends_at(0, 0) && !region.ends_at(0, 1));
+    let region = build(&dome(), vec![hole()]).unwrap();
+    assert_eq!(edge_lengths(&region), hole_alone + DVec2::new(4.0, 0.0));
+    assert!(region.ends_at(1, 0) && !region.ends_at(1, 1));
+}
+
 #[test]
 fn a_sliver_and_a_cusp_keep_their_area() {
     let region =

@@ -12,14 +12,16 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    /// Shades buffers of one size and draws their differences.
+    /// Shades buffers of one size, blends those along their trim edges that record them, and draws their differences.
     ///
     /// # Errors
     /// Where a buffer shows a face that the model does not have.
     pub fn new(model: &Model, camera: &Camera, buffers: &[&GBuffer], shading: &Shading) -> Result<Self> {
         let mut pictures = Self { named: vec![], views: buffers.len() };
         for buffer in buffers {
-            pictures.add(&buffer.meta().renderer, buffer.shaded(shading, model, camera)?);
+            let picture = buffer.shaded(shading, model, camera)?;
+            let picture = if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture };
+            pictures.add(&buffer.meta().renderer, picture);
         }
         for (i, a) in buffers.iter().enumerate() {
             for b in &buffers[i + 1..] {

@@ -73,6 +73,12 @@ pub(super) fn pairs(pairs: &[PairReport]) {
     println!("{table}");
     for pair in pairs {
         println!("{} | {}: bound: {}", pair.reference, pair.candidate, pair.bounds);
+        if let Some(edges) = &pair.edges {
+            println!(
+                "  {} pixels record a trim edge, off by at most {:.5} px (≤ {:.5}; largest bound {:.5})",
+                edges.recorded, edges.max_px, edges.bound_px, edges.greatest_bound_px
+            );
+        }
         if pair.unbounded > 0 {
             println!("  {} pixels with a value that has no bound in f32 (poles): counted, not judged", pair.unbounded);
         }

@@ -107,6 +107,7 @@ impl Mutant {
             interpolated_normal: false,
             trimmed: true,
             masked: false,
+            edges: false,
         }))
     }
 }
@@ -168,6 +169,7 @@ mod tests {
             interpolated_normal: false,
             trimmed: true,
             masked: false,
+            edges: false,
         };
         for technique in pipeline::Technique::ALL {
             assert!(is_legal(&wgsl::source(variant(technique))));

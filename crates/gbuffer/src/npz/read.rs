@@ -22,7 +22,8 @@ const DEFLATE_RATIO: u64 = 1032;
 const SHOWN_NAME: usize = 64;
 
 /// All arrays that a file may have.
-const ARRAYS: [&str; 12] = ["hit", "face", "u", "v", "t", "pos", "normal", "status", "k1", "k2", "undecided", "meta"];
+const ARRAYS: [&str; 13] =
+    ["hit", "face", "u", "v", "t", "pos", "normal", "status", "k1", "k2", "edge", "undecided", "meta"];
 
 /// Reads a buffer; `path` names it in messages.
 pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuffer, GBufferError> {
@@ -55,6 +56,9 @@ pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuf
     if present.curvature {
         source.curvatures(viewport, fill)?;
     }
+    if present.edge {
+        source.edges(viewport, fill)?;
+    }
     let mut undecided = vec![];
     if present.undecided {
         source.visit("undecided", viewport, |pixel, [open]: [i64; 1]| {
@@ -62,7 +66,7 @@ pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuf
             Ok(())
         })?;
     }
-    Ok(GBuffer::from_parts(Parts { viewport, meta, index, hits, undecided }))
+    Ok(GBuffer::from_parts(Parts { viewport, meta, index, hits, undecided, edges: present.edge }))
 }
 
 /// Which of the arrays that may be absent a file has.
@@ -72,6 +76,7 @@ struct Present {
     status: bool,
     /// Either of `k1` and `k2`; then both must be there.
     curvature: bool,
+    edge: bool,
     undecided: bool,
 }
 
@@ -83,6 +88,7 @@ impl Present {
             t: has("t"),
             status: has("status"),
             curvature: has("k1") || has("k2"),
+            edge: has("edge"),
             undecided: has("undecided"),
         }
     }
@@ -106,6 +112,7 @@ const BLANK: Hit = Hit {
     position: DVec3::NAN,
     normal: Normal::Undefined,
     curvature: None,
+    edge: None,
 };
 
 /// An element that must not be as it is.
@@ -187,6 +194,9 @@ impl<R: Read + Seek> Source<'_, R> {
         for array in ["pos", "normal"] {
             self.array::<f64, 3>(array, viewport)?;
         }
+        if present.edge {
+            self.array::<f64, 2>("edge", viewport)?;
+        }
         Ok(())
     }
 
@@ -262,6 +272,14 @@ impl<R: Read + Seek> Source<'_, R> {
                 None if k[0].is_nan() => {}
                 None => return Err(Wrong { value: k[0], expected: "NaN as k1 is" }),
             }
+            Ok(())
+        })
+    }
+
+    fn edges(&mut self, viewport: Viewport, fill: &mut Fill) -> Result<(), GBufferError> {
+        self.fill("edge", viewport, fill, |hit, [x, y]: [f64; 2]| {
+            let none = x.is_nan() && y.is_nan();
+            hit.edge = if none { None } else { Some(DVec2::new(number([x])?, number([y])?)) };
             Ok(())
         })
     }

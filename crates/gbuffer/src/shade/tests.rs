@@ -272,6 +272,7 @@ fn model_and_hit(face: u32) -> (Model, Hit) {
         position: DVec3::new(3.0, 0.0, 1.0),
         normal: nurbs::Normal::Regular(DVec3::Z),
         curvature: Some(crate::PrincipalCurvatures { k1: 1e300, k2: -1e300 }),
+        edge: None,
     };
     (Model::of_surfaces("two", vec![surface.clone(), surface]).unwrap(), hit)
 }

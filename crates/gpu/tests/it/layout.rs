@@ -7,7 +7,7 @@ use naga::{Expression, Literal, Module, TypeInner};
 use nurbs::NormalStatus;
 use pipeline::eval::{COLLAPSED, PARALLEL};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{BOUNDED, FaceRecord, PieceRecord, Program, RATIONAL, REVERSED, Technique, View, newton, sight};
+use pipeline::{BOUNDED, FaceRecord, PieceRecord, Program, RATIONAL, REVERSED, Technique, View, edge, newton, sight};
 use std::mem::offset_of;
 
 fn variants() -> Vec<Variant> {
@@ -15,10 +15,19 @@ fn variants() -> Vec<Variant> {
     for program in [Program::General].into_iter().chain((3..=15).step_by(2).map(Program::Degree)) {
         for curvature in [false, true] {
             for interpolated_normal in [false, true] {
-                for (trimmed, masked) in [(false, false), (true, false), (true, true)] {
-                    let of =
-                        |technique| Variant { technique, program, curvature, interpolated_normal, trimmed, masked };
-                    all.extend(Technique::ALL.map(of));
+                for (trimmed, masked, edges) in
+                    [(false, false, false), (true, false, false), (true, true, false), (true, false, true)]
+                {
+                    let plain = Variant {
+                        technique: Technique::Fragment,
+                        program,
+                        curvature,
+                        interpolated_normal,
+                        trimmed,
+                        masked,
+                        edges,
+                    };
+                    all.extend(Technique::ALL.map(|technique| Variant { technique, ..plain }));
                 }
             }
         }
@@ -145,6 +154,24 @@ fn constants_have_the_same_values() {
         ("GREATEST", f32::MAX),
     ] {
         assert_eq!(constant(&exact, name), Literal::F32(value), "{name}");
+    }
+    let with_edges = parsed(&wgsl::source(variants().into_iter().find(|v| v.edges).unwrap())).unwrap();
+    for (name, value) in [
+        ("EDGE_MAPS", edge::MAPS),
+        ("EDGE_CLIP_HALVINGS", edge::CLIP_HALVINGS),
+        ("EDGE_CHORDS", edge::CHORDS),
+        ("EDGE_ROUNDS", edge::ROUNDS),
+    ] {
+        assert_eq!(constant(&with_edges, name), Literal::U32(value), "{name}");
+    }
+    for (name, value) in [
+        ("EDGE_REACH_PX", edge::REACH_PX),
+        ("EDGE_MAP_REACH_PX", edge::MAP_REACH_PX),
+        ("EDGE_EDGE_ON", edge::EDGE_ON),
+        ("EDGE_FINE_PX", edge::FINE_PX),
+        ("EDGE_STEPS", edge::STEPS),
+    ] {
+        assert_eq!(constant(&with_edges, name), Literal::F32(value), "{name}");
     }
     assert_eq!(constant(&module, "STATUS_UNDEFINED"), Literal::U32(NormalStatus::Undefined as u32));
 }

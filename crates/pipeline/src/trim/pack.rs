@@ -1,5 +1,6 @@
 //! Regions in f32: intervals, edges and pieces.
 
+use crate::edge::Leaf;
 use crate::pack::{GREATEST_COUNT, PackError, PackedScene};
 use glam::{DVec2, DVec3};
 use nurbs::BezierCurve;
@@ -34,8 +35,10 @@ impl PackedScene {
     /// Appends a region: pieces and edges to the points; to the knots the ends of the intervals, and for each the index of
     /// its first edge, with one more behind the last. Returns where those stand, how many intervals there are, and the band
     /// along the edges in which f32 may take either side, in local parameters.
+    ///
+    /// Where the scene is to know of edges, their tree follows in points and knots ([`crate::edge`]).
     pub(crate) fn push_region(&mut self, region: &Region) -> Result<(u32, u32, DVec2), PackError> {
-        let pieces = self.push_pieces(region);
+        let (pieces, leaves) = self.push_pieces(region);
         let mut ends: Vec<f32> = pieces.iter().flat_map(|piece| [piece.low, piece.high]).collect();
         ends.sort_by(f32::total_cmp);
         ends.dedup();
@@ -83,28 +86,36 @@ impl PackedScene {
         if intervals == 0 {
             // Nothing of it is as high as f32 can tell: one interval that no parameter is in.
             self.knots.extend([0.0, 0.0, starts[0] as f32, starts[0] as f32]);
+        } else {
+            self.knots.extend(ends);
+            self.knots.extend(starts.into_iter().map(|start| start as f32));
+        }
+        if self.edges {
+            self.push_tree(leaves);
+        }
+        if intervals == 0 {
             return Ok((trims as u32, 1, DVec2::splat(f64::from(f32::EPSILON))));
         }
-        self.knots.extend(ends);
-        self.knots.extend(starts.into_iter().map(|start| start as f32));
         let band = pieces.iter().fold(DVec2::ZERO, |most, piece| most.max(piece.band));
         Ok((trims as u32, intervals as u32, band))
     }
 
-    /// Appends all pieces that rise or fall by what f32 can tell.
+    /// Appends all pieces that rise or fall by what f32 can tell, and where the scene is to know of edges, those that do
+    /// not and are edges; returns the former, and a leaf for each edge.
     ///
     /// Of each: (u, v, 1 / Δu, 1 / Δv) of its box; then its homogeneous control points in that box, 0 … 1, times their
     /// binomial coefficients, the first with the degree behind it.
-    fn push_pieces(&mut self, region: &Region) -> Vec<Rising> {
+    fn push_pieces(&mut self, region: &Region) -> (Vec<Rising>, Vec<Leaf>) {
         let (origin, size) = (region.domain().min, region.domain().size());
-        let mut pieces = vec![];
+        let (mut pieces, mut leaves) = (vec![], vec![]);
         for piece in region.pieces() {
+            let is_edge = self.edges && region.is_edge(piece);
             let local = |c: &DVec3| ((c.truncate() - origin * c.z) / size).extend(c.z);
             let curve =
                 BezierCurve::new(piece.curve.control().iter().map(local).collect()).expect("as legal as before");
             let curve = if piece.winding() < 0 { curve.reversed() } else { curve };
             let [low, high] = [curve.start(), curve.end()].map(|end| end.y.clamp(0.0, 1.0) as f32);
-            if low >= high {
+            if low >= high && !is_edge {
                 continue;
             }
             let index = self.points.len();
@@ -123,9 +134,19 @@ impl PackedScene {
                 self.points.push([x, y, c.z * binomial, last].map(|x| x as f32));
                 binomial *= (degree - i) as f64 / (i + 1) as f64;
             }
-            pieces.push(Rising { band: band(&curve), curve, low, high, index });
+            let band = band(&curve);
+            if is_edge {
+                let hull = curve.hull();
+                let [least, greatest] = [(hull.min - band).to_array(), (hull.max + band).to_array()];
+                let [[u0, v0], [u1, v1]] =
+                    [least.map(|t| (t as f32).next_down()), greatest.map(|t| (t as f32).next_up())];
+                leaves.push(Leaf { hull: [u0, v0, u1, v1], piece: index });
+            }
+            if low < high {
+                pieces.push(Rising { band, curve, low, high, index });
+            }
         }
-        pieces
+        (pieces, leaves)
     }
 }
 
