@@ -8,6 +8,7 @@ use pipeline::mask::{MaskFill, MaskOptions, MaskPlan, MaskQuality, Masks, Tile, 
 use pipeline::{PackedScene, Scheme, Technique, trim};
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Region, Viewport};
+use std::sync::Arc;
 use xtask::stage::{OnGpu, Plan, Rendered, Stage};
 
 /// Side of the pictures, pixels.
@@ -229,7 +230,7 @@ fn a_loop_left_out_a_wrong_fan_and_a_union_for_parity_are_found_and_named() {
         let plan = &healthy.scene.masks.as_ref().expect("masked").plan;
         let faulty = |plan: &MaskPlan| {
             let mut stage = staged(&model, Technique::Fragment, MaskOptions::default());
-            stage.scene.masks = Some(Masks::new(plan.clone(), MaskFill::EvenOdd));
+            Arc::make_mut(&mut stage.scene).masks = Some(Masks::new(plan.clone(), MaskFill::EvenOdd));
             stage
         };
         let [mut without, mut turned] = [plan.clone(), plan.clone()];

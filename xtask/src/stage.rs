@@ -9,8 +9,9 @@ use pipeline::mask::{MaskPlan, Masks, Trimming};
 use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
 use raster::{Drawing, PointSampler, Rasterizer};
 use raycast::Caster;
-use scene::{Camera, Model, Viewport};
+use scene::{Camera, Model, SamplePattern, Viewport};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// A colour shaded on the GPU may differ from that of its own G-buffer by this much in a channel: one step of
 /// rounding to 8 bits on either side.
@@ -73,10 +74,10 @@ pub struct Stage<'m> {
     pub viewport: Viewport,
     /// How it is drawn.
     pub plan: Plan,
-    /// The faces in f32.
-    pub scene: PackedScene,
-    /// Their triangles.
-    pub proxy: Proxy,
+    /// The faces in f32; shared by the stages of a picture's samples.
+    pub scene: Arc<PackedScene>,
+    /// Their triangles; shared alike.
+    pub proxy: Arc<Proxy>,
     /// How the camera sees each face.
     pub views: Vec<View>,
     /// How accurately its parameters are interpolated over them.
@@ -110,8 +111,27 @@ pub struct ShadedReport {
     pub differ: usize,
     /// The first of them, (x, y).
     pub first: Option<[usize; 2]>,
+    /// Which of its samples, from 0, where a pixel has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample: Option<usize>,
     /// The answer.
     pub verdict: Verdict,
+}
+
+impl ShadedReport {
+    /// What reports on the samples of a picture, in their order, come to: it agrees where each does. `None` of none.
+    pub fn of_samples(reports: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let named = |(k, report): (usize, Self)| Self { sample: report.first.map(|_| k), ..report };
+        let reports: Vec<Self> = reports.into_iter().collect();
+        if reports.len() == 1 {
+            return reports.into_iter().next();
+        }
+        reports.into_iter().enumerate().map(named).reduce(|a, b| {
+            let (first, sample) = if a.first.is_some() { (a.first, a.sample) } else { (b.first, b.sample) };
+            let verdict = if a.verdict == Verdict::Agree { b.verdict } else { a.verdict };
+            Self { covered: a.covered + b.covered, differ: a.differ + b.differ, first, sample, verdict }
+        })
+    }
 }
 
 /// The ray caster, asked at any position.
@@ -149,14 +169,27 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the model cannot be packed or the chord error asks for too many triangles.
     pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, plan: Plan) -> Result<Self> {
-        let scene = plan.packed(model, &camera, viewport)?;
-        let proxy = match plan.technique {
+        let scene = Arc::new(plan.packed(model, &camera, viewport)?);
+        let proxy = Arc::new(match plan.technique {
             Technique::Fragment => Proxy::tessellated(model, &scene, &camera, viewport, plan.chord_px)?,
             Technique::Exact => Proxy::hulls(model, &scene, &camera, viewport)?,
-        };
+        });
         let views = scene.views(model, &camera, viewport);
         let interpolation = Interpolation::of(model);
         Ok(Self { model, camera, viewport, plan, scene, proxy, views, interpolation })
+    }
+
+    /// A stage a sample of `pattern`, in its order. Scene, masks and triangles are those of this stage: a pixel's size at a
+    /// face, all that they depend on of a camera, is the same wherever in the pixel one looks.
+    pub fn samples(&self, pattern: SamplePattern) -> impl Iterator<Item = Stage<'m>> {
+        pattern.cameras(&self.camera, self.viewport).into_iter().map(|camera| Stage {
+            camera,
+            scene: self.scene.clone(),
+            proxy: self.proxy.clone(),
+            views: self.scene.views(self.model, &camera, self.viewport),
+            interpolation: self.interpolation.clone(),
+            ..*self
+        })
     }
 
     /// The rasterizer of this stage.
@@ -188,8 +221,27 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the adapter refuses.
     pub fn gpu(&self, device: &gpu::Device, shading: Option<&Shading>, overrides: gpu::Overrides) -> Result<OnGpu> {
+        self.drawn_by(&mut self.renderer(device, overrides)?, shading)
+    }
+
+    /// The GPU's renderer of this stage, and of the stages of its samples.
+    ///
+    /// # Errors
+    /// Where the adapter refuses.
+    pub fn renderer<'a>(
+        &'a self,
+        device: &'a gpu::Device,
+        overrides: gpu::Overrides<'_>,
+    ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
         let options = gpu::RendererOptions { curvature: true, interpolated_normals: false, overrides };
-        let mut renderer = gpu::Renderer::new(device, &self.scene, &self.proxy, options)?;
+        gpu::Renderer::new(device, &self.scene, &self.proxy, options)
+    }
+
+    /// What [`Self::gpu`] returns, by a renderer of this stage or of the one whose sample it is.
+    ///
+    /// # Errors
+    /// Where the adapter refuses.
+    pub fn drawn_by(&self, renderer: &mut gpu::Renderer<'_>, shading: Option<&Shading>) -> Result<OnGpu> {
         let gbuffer = renderer.gbuffer(&self.views, &self.camera, self.viewport, self.meta("gpu"))?;
         let size = self.model.hull().diagonal();
         let shaded = shading
@@ -318,7 +370,7 @@ impl<'m> Stage<'m> {
             bail!("the shaded picture measures {}x{}, not {width}x{height}", picture.width(), picture.height());
         }
         let uniform = shading.uniform(&self.camera, self.model.hull().diagonal());
-        let mut report = ShadedReport { covered: 0, differ: 0, first: None, verdict: Verdict::Differ };
+        let mut report = ShadedReport { covered: 0, differ: 0, first: None, sample: None, verdict: Verdict::Differ };
         for y in 0..height {
             for x in 0..width {
                 let allowed = match gpu.get(x, y) {

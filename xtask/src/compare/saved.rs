@@ -4,6 +4,7 @@
 //! is the caller's to say, so a file cannot excuse itself.
 
 use super::{CompareArgs, answer, pictures::Pictures, table};
+use crate::antialias::Antialias;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
@@ -281,6 +282,9 @@ struct FileReport<'a> {
 pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
     if let Some(option) = args.view.given().or(args.drawing.adapter.as_ref().map(|_| "--adapter")) {
         bail!("{option} does not go with saved G-buffers, which bring their own camera, size and adapter");
+    }
+    if args.antialias != Antialias::None {
+        bail!("--antialias does not go with saved G-buffers: each is one sample, by its camera's lens shift");
     }
     let paths: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
     let saved = Saved::open(&paths, args.of_model.as_deref())?;
