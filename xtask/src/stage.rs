@@ -3,9 +3,9 @@
 use crate::terminal;
 use anyhow::{Result, bail};
 use compare::{Deviation, Interpolation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict};
-use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, shade_tolerant};
+use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, Trims, shade_tolerant};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval, enclose};
-use pipeline::mask::{MaskPlan, Masks, Trimming};
+use pipeline::mask::{MaskPlan, MaskQuality, Masks, Trimming};
 use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
 use raster::{Drawing, PointSampler, Rasterizer};
 use raycast::Caster;
@@ -20,6 +20,9 @@ const COLOUR_STEPS: u8 = 2;
 /// How far the argument of a band may move between the two, beyond what the normals may differ by, in units of 2⁻²⁴: the
 /// view direction of the fragment stage comes from an interpolated position.
 const VIEW_ULPS: f32 = 128.0;
+
+/// A mask that is coarser by a factor has no fewer texels than one asked for with an error larger by it and by this.
+const COARSER_ROUNDING: f64 = 1.0 + 1e-9;
 
 /// How a model is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -200,7 +203,23 @@ impl<'m> Stage<'m> {
 
     /// The facts that go with a buffer of this stage.
     pub fn meta(&self, renderer: &str) -> Meta {
-        Meta::new(renderer, self.plan.technique.name(), self.model, &self.camera)
+        Meta { trims: self.trims(), ..Meta::new(renderer, self.plan.technique.name(), self.model, &self.camera) }
+    }
+
+    /// How the rasterizers trim, as their G-buffers say it: masks made for that error are at least as coarse as these.
+    fn trims(&self) -> Trims {
+        let (Some(masks), Trimming::Texture(options)) = (&self.scene.masks, &self.plan.trim) else {
+            return Trims::Exact;
+        };
+        let asked = match options.quality {
+            MaskQuality::Error { px } if masks.plan.coarser > 1.0 => px * masks.plan.coarser * COARSER_ROUNDING,
+            MaskQuality::Error { px } => px,
+            MaskQuality::Fixed { .. } => 0.0,
+        };
+        let found = masks.plan.error_px();
+        // Beyond what was asked all of it may be along u, or along v, each of which is granted a half.
+        let error_px = if found <= asked * COARSER_ROUNDING { asked } else { 2.0 * found };
+        Trims::Masks { error_px }
     }
 
     /// The CPU's G-buffer.

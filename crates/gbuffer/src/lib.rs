@@ -12,7 +12,7 @@ mod npz;
 mod picture;
 mod shade;
 
-pub use buffer::{GBuffer, Meta};
+pub use buffer::{GBuffer, Meta, Trims};
 pub use error::GBufferError;
 pub use hit::{Hit, PrincipalCurvatures};
 pub use picture::Picture;
