@@ -303,5 +303,7 @@ fn geiger_s_figures_are_drawn_and_timed() {
     assert!(
         report["by_chords"].as_array().is_some_and(|rows| rows.iter().all(|row| row["gpu_ms"].as_f64() > Some(0.0)))
     );
-    assert!(std::fs::metadata(out.join("fig17.png")).expect("a picture").len() > 1000);
+    for name in ["fig17.png", "zoom.png"] {
+        assert!(std::fs::metadata(out.join(name)).expect("a picture").len() > 1000, "{name}");
+    }
 }
