@@ -8,6 +8,7 @@ use raycast::Caster;
 use scene::{Camera, FaceId, Model, Ray, Viewport};
 use std::path::{Path, PathBuf};
 use xtask::compare::Saved;
+use xtask::masks::TrimGrant;
 use xtask::stage::Plan;
 
 /// A file that NumPy wrote.
@@ -27,12 +28,12 @@ fn written(name: &str, buffer: &GBuffer) -> PathBuf {
 
 fn judged(paths: &[PathBuf]) -> Vec<PairReport> {
     let saved = Saved::open(paths, None).unwrap_or_else(|error| panic!("{error:#}"));
-    saved.compare(Plan::default()).unwrap_or_else(|error| panic!("{error:#}")).pairs
+    saved.compare(Plan::default(), TrimGrant::default()).unwrap_or_else(|error| panic!("{error:#}")).pairs
 }
 
 /// Why files are not compared at all.
 fn refusal(paths: &[PathBuf], model: Option<&str>) -> String {
-    let result = Saved::open(paths, model).and_then(|saved| saved.compare(Plan::default()));
+    let result = Saved::open(paths, model).and_then(|saved| saved.compare(Plan::default(), TrimGrant::default()));
     format!("{:#}", result.err().expect("it is refused"))
 }
 

@@ -4,6 +4,7 @@ use compare::{Cause, PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Hit};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
+use std::sync::Arc;
 use xtask::stage::{Plan, Stage};
 
 const SIDE: usize = 32;
@@ -101,7 +102,7 @@ fn a_control_point_that_was_packed_wrongly_is_noticed_though_the_program_is_righ
     let mut stage = stage(&model, UNBOUNDED_SHARE);
     let raycast = stage.raycast(&caster);
     // Far below what moves a pixel: only the numbers can tell.
-    for point in &mut stage.scene.points {
+    for point in &mut Arc::make_mut(&mut stage.scene).points {
         point[0] *= 1.0 + 3e-6;
     }
     let report = stage.against_raycast(&caster, &raycast, &stage.raster()).expect("comparable");

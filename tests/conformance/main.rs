@@ -9,6 +9,7 @@ mod foreign;
 mod golden;
 mod judging;
 mod rays;
+mod samples;
 mod three_way;
 mod trim_texture;
 mod trims;

@@ -1,23 +1,24 @@
 //! `compare`: render by all three, or take what others rendered, compare, and show a person the answer.
 
 pub mod pictures;
+mod rendered;
 mod saved;
 mod table;
 
 pub use saved::{Saved, SavedFile};
 
+use crate::antialias::Antialias;
 use crate::format::Format;
-use crate::masks::{MaskReport, TrimArgs};
-use crate::stage::{Antialias, Plan, ShadedReport, Stage};
+use crate::masks::TrimArgs;
+use crate::stage::Plan;
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use compare::{PairReport, UNBOUNDED_SHARE, Verdict};
-use gbuffer::{GBuffer, Picture, ShadeKind, Shading};
+use compare::UNBOUNDED_SHARE;
+use gbuffer::{Picture, ShadeKind, Shading};
 use pictures::Pictures;
 use pipeline::{DEFAULT_CHORD_PX, Scheme, Technique};
-use raycast::Caster;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -28,6 +29,9 @@ use std::process::ExitCode;
 /// own (docs/gbuffer.md), against rays cast now; compare A.npz B.npz judges both, and B against A. If one of the two is
 /// the ray caster's, it is the reference. Saved files bring their camera and size; their model is the built-in one that
 /// they name, or --model.
+///
+/// With --antialias every sample of every pixel is rendered and judged, as strictly as a pixel's centre is; pixels count
+/// once for each sample, and the pictures are the samples' mean.
 ///
 /// Exit code 0: all pairs agree; 1: some pixel differs; 2: something could not run (no adapter counts).
 #[derive(Debug, Args)]
@@ -46,6 +50,9 @@ pub struct CompareArgs {
     /// What the pictures show
     #[arg(long, value_enum, default_value = "isophotes")]
     shade: Shade,
+    /// Smooth the edges of faces, trims and colours; saved G-buffers have their sample in their camera's lens shift
+    #[arg(long, value_enum, default_value = "none")]
+    antialias: Antialias,
     /// Write pictures, difference maps and report.json to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -65,9 +72,6 @@ pub struct DrawingArgs {
     scheme: SchemeName,
     #[command(flatten)]
     trim: TrimArgs,
-    /// Whether edges are smoothed
-    #[arg(long, value_enum, default_value = "none")]
-    antialias: AntialiasName,
     /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are granted
     #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, allow_negative_numbers = true)]
     chord: f64,
@@ -86,15 +90,6 @@ pub enum TechniqueName {
     Fragment,
     /// Hulls of nearly flat pieces; each fragment solves for the point on its pixel's ray
     Exact,
-}
-
-/// Whether edges are smoothed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum AntialiasName {
-    /// A pixel is what its centre shows
-    None,
-    /// Trim edges, by the distance that each pixel records to its own face's (Persson 2011); G-buffers have it as `edge`
-    Trims,
 }
 
 impl From<TechniqueName> for Technique {
@@ -152,14 +147,6 @@ impl Shade {
 }
 
 impl DrawingArgs {
-    /// Whether edges are smoothed, in the renderers' own words.
-    pub fn antialias(&self) -> Antialias {
-        match self.antialias {
-            AntialiasName::None => Antialias::None,
-            AntialiasName::Trims => Antialias::Trims,
-        }
-    }
-
     /// The same in the renderers' own words.
     pub fn plan(&self) -> Plan {
         let scheme = match self.scheme {
@@ -171,31 +158,10 @@ impl DrawingArgs {
             scheme,
             chord_px: self.chord,
             trim: self.trim.trimming(),
-            antialias: self.antialias(),
+            edges: false,
             unbounded_share: self.unbounded,
         }
     }
-}
-
-#[derive(Serialize)]
-struct Report<'a> {
-    model: &'a str,
-    technique: &'static str,
-    size: [usize; 2],
-    adapter: Option<&'a str>,
-    driver: Option<&'a str>,
-    triangles: usize,
-    /// How the rasterizers trim faces.
-    trim: &'static str,
-    /// Where they do by masks.
-    masks: Option<MaskReport>,
-    pairs: &'a [PairReport],
-    /// The picture shaded in the GPU's fragment stage against the shading of its G-buffer.
-    shaded: Option<ShadedReport>,
-    /// Why the GPU did not run.
-    gpu_not_run: Option<&'a str>,
-    /// Pixels that the ray caster could not decide.
-    undecided: usize,
 }
 
 /// Runs the command.
@@ -208,7 +174,7 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     match (subjects.iter().copied().partition::<Vec<_>, _>(is_saved), &args.of_model) {
         ((files, models), _) if models.is_empty() => saved::run(args, &files),
         ((files, models), None) if files.is_empty() && models.len() == 1 => {
-            rendered(args, &ModelArgs { model: models[0].clone() })
+            rendered::run(args, &ModelArgs { model: models[0].clone() })
         }
         ((_, models), Some(_)) => {
             bail!("--model names what saved G-buffers (.npz) show, and {:?} is not one", models[0])
@@ -218,57 +184,6 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
             models[0]
         ),
     }
-}
-
-/// Renders a model by all three and compares.
-fn rendered(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
-    let model = model.open()?;
-    let viewport = args.view.viewport()?;
-    let camera = args.view.camera(&model, viewport)?;
-    let stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
-    let caster = Caster::new(&model).with_edges(stage.plan.antialias == Antialias::Trims);
-    let shading = args.shade.shading();
-    let rendered = stage.render(&caster, args.drawing.adapter.as_deref(), Some(&shading));
-    let pairs = stage.compare(&caster, &rendered)?;
-    let shaded = match &rendered.gpu {
-        Ok(gpu) => {
-            let picture = gpu.shaded.as_ref().expect("a shading was asked for");
-            Some(stage.judge_shading(&shading, &gpu.gbuffer, picture)?)
-        }
-        Err(_) => None,
-    };
-    let meta = rendered.gpu.as_ref().ok().map(|gpu| gpu.gbuffer.meta());
-    let report = Report {
-        model: model.name(),
-        technique: stage.plan.technique.name(),
-        size: [viewport.width(), viewport.height()],
-        adapter: meta.and_then(|m| m.adapter.as_deref()),
-        driver: meta.and_then(|m| m.driver.as_deref()),
-        triangles: stage.proxy.triangles(),
-        trim: stage.plan.trim.name(),
-        masks: MaskReport::of(&stage),
-        pairs: &pairs,
-        shaded,
-        gpu_not_run: rendered.gpu.as_ref().err().map(String::as_str),
-        undecided: rendered.raycast.undecided(),
-    };
-    let buffers: Vec<&GBuffer> = [Some(&rendered.raycast), Some(&rendered.raster)]
-        .into_iter()
-        .chain([rendered.gpu.as_ref().ok().map(|gpu| &gpu.gbuffer)])
-        .flatten()
-        .collect();
-    let mut pictures = Pictures::new(&model, &camera, &buffers, &shading)?;
-    if let Some(picture) = rendered.gpu.as_ref().ok().and_then(|gpu| gpu.shaded.clone()) {
-        pictures.add("gpu-shaded-in-fragment", picture);
-    }
-    answer(args, &report, &pictures, || table::print(&report))?;
-    let agree = pairs.iter().all(|pair| pair.verdict == Verdict::Agree)
-        && report.shaded.as_ref().is_none_or(|shaded| shaded.verdict == Verdict::Agree);
-    Ok(match (&rendered.gpu, agree) {
-        (Err(_), _) => ExitCode::from(2),
-        (Ok(_), true) => ExitCode::SUCCESS,
-        (Ok(_), false) => ExitCode::from(1),
-    })
 }
 
 /// Writes and shows a report with its pictures; `print` is what people read.
@@ -281,7 +196,7 @@ fn answer(args: &CompareArgs, report: &impl Serialize, pictures: &Pictures, prin
     match args.format {
         Format::Json => println!("{}", serde_json::to_string(report)?),
         Format::Table => {
-            terminal::show(&Picture::beside(&pictures.views()));
+            terminal::show(&Picture::beside(&pictures.views()?.iter().collect::<Vec<_>>()));
             print();
             if let Some(folder) = &args.out {
                 println!("pictures and report.json are in {}", folder.display());

@@ -1,5 +1,7 @@
 //! `geiger`: Figs. 17, 32 and 33 of Geiger's thesis on trimming textures, on the CPU and on the GPU.
 
+mod zoom;
+
 use crate::compare::Shade;
 use crate::format::Format;
 use crate::stage::{Plan, Stage};
@@ -30,7 +32,8 @@ const SIDE: usize = 256;
 /// Reproduce Geiger's Figs. 17, 32 and 33: what trimming textures show, and what they cost to set up
 ///
 /// Draws an ellipse whose mask has too few texels, too few chords, too few of both, and enough of both, and as the exact
-/// trims show it, side by side in fig17.png. Then times the masks of MODEL: planning them, drawing them on the CPU by
+/// trims show it, side by side in fig17.png; in zoom.png, a trim edge at 20 times the size by masks, exactly, and by 16
+/// samples a pixel. Then times the masks of MODEL: planning them, drawing them on the CPU by
 /// scan lines and by ears, and on the GPU by fans; first by resolution, with 64 chords a curve, then by chords, at 1024 texels a
 /// side.
 #[derive(Debug, Args)]
@@ -47,7 +50,7 @@ pub struct GeigerArgs {
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Where the picture goes
+    /// Where the pictures go
     #[arg(long, value_name = "DIR", default_value = "out/geiger")]
     out: PathBuf,
     /// For people or for machines
@@ -86,6 +89,8 @@ pub fn run(args: &GeigerArgs) -> Result<()> {
     let picture = ellipses()?;
     std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
     picture.write_png(args.out.join("fig17.png"))?;
+    let zoomed = zoom::pictures()?;
+    zoomed.write_png(args.out.join("zoom.png"))?;
     let model = ModelArgs { model: args.model.clone() }.open()?;
     let cost = |side, chords| cost(&model, device.as_ref(), [side, chords], args);
     let by_side: Vec<Cost> = SIDES.into_iter().map(|side| cost(side, 64)).collect::<Result<_>>()?;
@@ -104,6 +109,8 @@ pub fn run(args: &GeigerArgs) -> Result<()> {
         "too few texels, too few chords, too few of both, enough of both, exact: {}",
         args.out.join("fig17.png").display()
     );
+    crate::terminal::show(&zoomed);
+    println!("{}: {}", zoom::SHOWS, args.out.join("zoom.png").display());
     println!(
         "{}: masks of {} faces; gpu: {}; {} threads; medians of {} rounds",
         model.name(),

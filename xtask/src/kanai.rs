@@ -65,7 +65,7 @@ pub fn run(args: &KanaiArgs) -> Result<()> {
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let mut stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
-    stage.proxy = Proxy::uniform(&model, &stage.scene, usize::from(args.cells))?;
+    stage.proxy = Proxy::uniform(&model, &stage.scene, usize::from(args.cells))?.into();
     let [vertex, fragment] = buffers(&stage);
     let exact = stage.raycast(&Caster::new(&model));
     let report = Report {

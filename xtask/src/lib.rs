@@ -3,6 +3,7 @@
 //! A library, so that the conformance tests drive the same [`stage`] as a user does.
 
 pub mod adapters;
+pub mod antialias;
 pub mod bench;
 pub mod bless;
 pub mod ci;

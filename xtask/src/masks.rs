@@ -5,14 +5,18 @@ use clap::{Args, ValueEnum};
 use pipeline::mask::{MaskFill, MaskOptions, MaskQuality, Trimming};
 use serde::Serialize;
 
+/// How far a mask's edge may be off, pixels, unless told.
+const DEFAULT_MASK_PX: f64 = 0.5;
+
 /// How faces are trimmed.
 #[derive(Debug, Clone, Args)]
 pub struct TrimArgs {
-    /// How the rasterizers trim faces
-    #[arg(long, value_enum, default_value = "exact")]
-    trim: TrimName,
-    /// With --trim texture: how far an edge may be off in the picture, from texels and chords together, pixels
-    #[arg(long, value_name = "PX", default_value_t = 0.5, allow_negative_numbers = true)]
+    /// How the rasterizers trim faces [default: exact; of a saved G-buffer: as it says]
+    #[arg(long, value_enum)]
+    trim: Option<TrimName>,
+    /// With --trim texture: how far an edge may be off in the picture, from texels and chords together, pixels; of a saved
+    /// G-buffer, the most that its masks may claim
+    #[arg(long, value_name = "PX", default_value_t = DEFAULT_MASK_PX, allow_negative_numbers = true)]
     mask_px: f64,
     /// With --trim texture: the most memory of all masks together, MB of a million bytes; beyond it they are made coarser
     #[arg(long, value_name = "MB", default_value_t = 256)]
@@ -38,10 +42,31 @@ enum FillName {
     Earcut,
 }
 
+/// What saved G-buffers may say of their trims.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrimGrant {
+    /// Whether they are by masks, where the caller says so.
+    pub masked: Option<bool>,
+    /// The most that masks may be off, pixels.
+    pub mask_px: f64,
+}
+
+impl Default for TrimGrant {
+    /// Whatever a G-buffer says, with masks as fine as ours are unless asked otherwise.
+    fn default() -> Self {
+        Self { masked: None, mask_px: DEFAULT_MASK_PX }
+    }
+}
+
 impl TrimArgs {
+    /// What is granted to saved G-buffers.
+    pub fn grant(&self) -> TrimGrant {
+        TrimGrant { masked: self.trim.map(|trim| trim == TrimName::Texture), mask_px: self.mask_px }
+    }
+
     /// The same in the renderers' own words.
     pub fn trimming(&self) -> Trimming {
-        match self.trim {
+        match self.trim.unwrap_or(TrimName::Exact) {
             TrimName::Exact => Trimming::Exact,
             TrimName::Texture => Trimming::Texture(MaskOptions {
                 quality: MaskQuality::Error { px: self.mask_px },

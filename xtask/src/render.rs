@@ -1,15 +1,18 @@
 //! `render`: one renderer, one picture or G-buffer.
 
+use crate::antialias::Antialias;
 use crate::compare::{DrawingArgs, Shade};
 use crate::masks::MaskReport;
-use crate::stage::{Antialias, Stage};
+use crate::stage::{Plan, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use gbuffer::Picture;
+use gbuffer::{GBuffer, Picture};
 use raycast::Caster;
-use std::path::PathBuf;
+use scene::{Camera, Model, Viewport};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 /// Render a model by one renderer, to a picture, a G-buffer or the terminal
 #[derive(Debug, Args)]
@@ -29,7 +32,11 @@ pub struct RenderArgs {
     /// Write the picture to this PNG file
     #[arg(long, value_name = "X.png")]
     out: Option<PathBuf>,
-    /// Write the G-buffer to this NumPy file
+    /// Smooth the edges of faces, trims and colours
+    #[arg(long, value_enum, default_value = "none")]
+    antialias: Antialias,
+    /// Write the G-buffer to this NumPy file; with --antialias one a sample, X-0.npz, X-1.npz …, each with the lens shift of
+    /// its sample in its camera, so that `compare` judges it by itself
     #[arg(long, value_name = "X.npz")]
     gbuffer: Option<PathBuf>,
     /// Put the legend of a curvature map beside the picture
@@ -55,34 +62,27 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
-    let stage = || {
-        let stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
-        if let Some(note) = MaskReport::of(&stage).and_then(|masks| masks.note) {
-            eprintln!("note: {note}");
+    let count = args.antialias.pattern().positions().len();
+    let mut paths = args.gbuffer.as_ref().map(|path| files(path, count).into_iter());
+    let shading = args.shade.shading();
+    let shows = args.out.is_some() || (args.gbuffer.is_none() && terminal::is_terminal());
+    let bar = (count > 1).then(|| terminal::progress("samples", count));
+    let (mut covered, mut pictures) = (0, vec![]);
+    each_sample(args, &model, camera, viewport, |camera, buffer| {
+        if let Some(path) = paths.as_mut().and_then(Iterator::next) {
+            buffer.write_npz(path)?;
         }
-        anyhow::Ok(stage)
-    };
-    let buffer = match args.with {
-        With::Raster => stage()?.raster(),
-        With::Gpu => {
-            let device = gpu::Device::open(args.drawing.adapter.as_deref())?;
-            stage()?.gpu(&device, None, gpu::Overrides::default())?.gbuffer
+        covered += buffer.covered();
+        if shows {
+            let picture = buffer.shaded(&shading, &model, camera)?;
+            pictures.push(if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture });
         }
-        With::Raycast => {
-            let bar = terminal::progress("raycast", viewport.height());
-            let edges = args.drawing.antialias() == Antialias::Trims;
-            Caster::new(&model).with_edges(edges).render(&camera, viewport, &|rows| bar.inc(rows as u64))
-        }
-    };
-    if let Some(path) = &args.gbuffer {
-        buffer.write_npz(path)?;
-    }
-    if args.out.is_some() || (args.gbuffer.is_none() && terminal::is_terminal()) {
-        let shading = args.shade.shading();
-        let mut picture = buffer.shaded(&shading, &model, &camera)?;
-        if buffer.has_edges() {
-            picture = buffer.resolved(&picture, &camera)?;
-        }
+        bar.iter().for_each(|bar| bar.inc(1));
+        Ok(())
+    })?;
+    drop(bar);
+    if shows {
+        let mut picture = Picture::average(&pictures)?;
         if let Some(legend) = shading.legend(viewport.height()).filter(|_| args.legend) {
             picture = Picture::beside(&[&picture, &legend]);
         }
@@ -92,11 +92,60 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         }
     }
     if args.out.is_none() && args.gbuffer.is_none() {
+        let samples = if count > 1 { format!(", {count} samples each,") } else { String::new() };
         println!(
-            "{} of {} pixels covered (--out X.png or --gbuffer X.npz keeps them)",
-            buffer.covered(),
+            "{} of {} pixels{samples} covered (--out X.png or --gbuffer X.npz keeps them)",
+            covered as f64 / count as f64,
             viewport.pixels()
         );
     }
     Ok(())
+}
+
+/// Gives the samples' cameras and G-buffers to `keep`, one after the other.
+fn each_sample(
+    args: &RenderArgs,
+    model: &Model,
+    camera: Camera,
+    viewport: Viewport,
+    mut keep: impl FnMut(&Camera, GBuffer) -> Result<()>,
+) -> Result<()> {
+    let pattern = args.antialias.pattern();
+    let edges = args.antialias == Antialias::Trims;
+    let stage = || {
+        let stage = Stage::new(model, camera, viewport, Plan { edges, ..args.drawing.plan() })?;
+        if let Some(note) = MaskReport::of(&stage).and_then(|masks| masks.note) {
+            eprintln!("note: {note}");
+        }
+        anyhow::Ok(stage)
+    };
+    match args.with {
+        With::Raster => stage()?.samples(pattern).try_for_each(|sample| keep(&sample.camera, sample.raster())),
+        With::Gpu => {
+            let device = gpu::Device::open(args.drawing.adapter.as_deref())?;
+            let stage = stage()?;
+            let mut renderer = stage.renderer(&device, gpu::Overrides::default())?;
+            let mut draw = |sample: &Stage| anyhow::Ok(sample.drawn_by(&mut renderer, None)?.gbuffer);
+            stage.samples(pattern).try_for_each(|sample| keep(&sample.camera, draw(&sample)?))
+        }
+        With::Raycast => {
+            let caster = Caster::new(model).with_edges(edges);
+            let cast = |camera: &Camera| {
+                let bar = terminal::progress("raycast", viewport.height());
+                caster.render(camera, viewport, &|rows| bar.inc(rows as u64))
+            };
+            pattern.cameras(&camera, viewport).iter().try_for_each(|camera| keep(camera, cast(camera)))
+        }
+    }
+}
+
+/// A file a sample: the one that was named, or, of several samples, X-0.npz, X-1.npz and so on beside it.
+fn files(path: &Path, count: usize) -> Vec<PathBuf> {
+    if count == 1 {
+        return vec![path.to_owned()];
+    }
+    let name = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, extension) = (name(path.file_stem()), name(path.extension()));
+    let dot = if extension.is_empty() { "" } else { "." };
+    (0..count).map(|k| path.with_file_name(format!("{stem}-{k}{dot}{extension}"))).collect()
 }

@@ -3,14 +3,15 @@
 use crate::terminal;
 use anyhow::{Result, bail};
 use compare::{Deviation, Interpolation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict};
-use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, shade_tolerant};
+use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, Trims, shade_tolerant};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval, enclose};
-use pipeline::mask::{MaskPlan, Masks, Trimming};
+use pipeline::mask::{MaskPlan, MaskQuality, Masks, Trimming};
 use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
 use raster::{Drawing, PointSampler, Rasterizer};
 use raycast::Caster;
-use scene::{Camera, Model, Viewport};
+use scene::{Camera, Model, SamplePattern, Viewport};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// A colour shaded on the GPU may differ from that of its own G-buffer by this much in a channel: one step of
 /// rounding to 8 bits on either side.
@@ -20,15 +21,8 @@ const COLOUR_STEPS: u8 = 2;
 /// view direction of the fragment stage comes from an interpolated position.
 const VIEW_ULPS: f32 = 128.0;
 
-/// Whether edges are smoothed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Antialias {
-    /// A pixel is what its centre shows.
-    #[default]
-    None,
-    /// Trim edges: each pixel records where one passes, and the picture is blended by that.
-    Trims,
-}
+/// A mask that is coarser by a factor has no fewer texels than one asked for with an error larger by it and by this.
+const COARSER_ROUNDING: f64 = 1.0 + 1e-9;
 
 /// How a model is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,8 +35,8 @@ pub struct Plan {
     pub chord_px: f64,
     /// How faces are trimmed.
     pub trim: Trimming,
-    /// Whether edges are smoothed.
-    pub antialias: Antialias,
+    /// Whether each pixel records where a trim edge of its face passes.
+    pub edges: bool,
     /// The share of covered pixels that may have a value without a bound in f32: what the scene states.
     pub unbounded_share: f64,
 }
@@ -54,7 +48,7 @@ impl Default for Plan {
             scheme: Scheme::default(),
             chord_px: DEFAULT_CHORD_PX,
             trim: Trimming::default(),
-            antialias: Antialias::default(),
+            edges: false,
             unbounded_share: UNBOUNDED_SHARE,
         }
     }
@@ -66,15 +60,15 @@ impl Plan {
     /// # Errors
     /// Where it cannot be packed, masks do not fit, or trim edges are asked for of masks, which have none.
     pub fn packed(&self, model: &Model, camera: &Camera, viewport: Viewport) -> Result<PackedScene> {
-        Ok(match (&self.trim, self.antialias) {
-            (Trimming::Exact, Antialias::None) => PackedScene::new(model, self.scheme)?,
-            (Trimming::Exact, Antialias::Trims) => PackedScene::with_edges(model, self.scheme)?,
-            (Trimming::Texture(_), Antialias::Trims) => {
+        Ok(match (&self.trim, self.edges) {
+            (Trimming::Exact, false) => PackedScene::new(model, self.scheme)?,
+            (Trimming::Exact, true) => PackedScene::with_edges(model, self.scheme)?,
+            (Trimming::Texture(_), true) => {
                 bail!(
                     "--antialias trims measures distances to trim curves, and --trim texture has masks instead of them"
                 )
             }
-            (Trimming::Texture(options), Antialias::None) => {
+            (Trimming::Texture(options), false) => {
                 let masks = Masks::new(MaskPlan::new(model, camera, viewport, options)?, options.fill);
                 PackedScene::masked(model, self.scheme, masks)?
             }
@@ -92,10 +86,10 @@ pub struct Stage<'m> {
     pub viewport: Viewport,
     /// How it is drawn.
     pub plan: Plan,
-    /// The faces in f32.
-    pub scene: PackedScene,
-    /// Their triangles.
-    pub proxy: Proxy,
+    /// The faces in f32; shared by the stages of a picture's samples.
+    pub scene: Arc<PackedScene>,
+    /// Their triangles; shared alike.
+    pub proxy: Arc<Proxy>,
     /// How the camera sees each face.
     pub views: Vec<View>,
     /// How accurately its parameters are interpolated over them.
@@ -129,8 +123,27 @@ pub struct ShadedReport {
     pub differ: usize,
     /// The first of them, (x, y).
     pub first: Option<[usize; 2]>,
+    /// Which of its samples, from 0, where a pixel has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample: Option<usize>,
     /// The answer.
     pub verdict: Verdict,
+}
+
+impl ShadedReport {
+    /// What reports on the samples of a picture, in their order, come to: it agrees where each does. `None` of none.
+    pub fn of_samples(reports: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let named = |(k, report): (usize, Self)| Self { sample: report.first.map(|_| k), ..report };
+        let reports: Vec<Self> = reports.into_iter().collect();
+        if reports.len() == 1 {
+            return reports.into_iter().next();
+        }
+        reports.into_iter().enumerate().map(named).reduce(|a, b| {
+            let (first, sample) = if a.first.is_some() { (a.first, a.sample) } else { (b.first, b.sample) };
+            let verdict = if a.verdict == Verdict::Agree { b.verdict } else { a.verdict };
+            Self { covered: a.covered + b.covered, differ: a.differ + b.differ, first, sample, verdict }
+        })
+    }
 }
 
 /// The ray caster, asked at any position.
@@ -168,14 +181,27 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the model cannot be packed or the chord error asks for too many triangles.
     pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, plan: Plan) -> Result<Self> {
-        let scene = plan.packed(model, &camera, viewport)?;
-        let proxy = match plan.technique {
+        let scene = Arc::new(plan.packed(model, &camera, viewport)?);
+        let proxy = Arc::new(match plan.technique {
             Technique::Fragment => Proxy::tessellated(model, &scene, &camera, viewport, plan.chord_px)?,
             Technique::Exact => Proxy::hulls(model, &scene, &camera, viewport)?,
-        };
+        });
         let views = scene.views(model, &camera, viewport);
         let interpolation = Interpolation::of(model);
         Ok(Self { model, camera, viewport, plan, scene, proxy, views, interpolation })
+    }
+
+    /// A stage a sample of `pattern`, in its order. Scene, masks and triangles are those of this stage: a pixel's size at a
+    /// face, all that they depend on of a camera, is the same wherever in the pixel one looks.
+    pub fn samples(&self, pattern: SamplePattern) -> impl Iterator<Item = Stage<'m>> {
+        pattern.cameras(&self.camera, self.viewport).into_iter().map(|camera| Stage {
+            camera,
+            scene: self.scene.clone(),
+            proxy: self.proxy.clone(),
+            views: self.scene.views(self.model, &camera, self.viewport),
+            interpolation: self.interpolation.clone(),
+            ..*self
+        })
     }
 
     /// The rasterizer of this stage.
@@ -186,7 +212,23 @@ impl<'m> Stage<'m> {
 
     /// The facts that go with a buffer of this stage.
     pub fn meta(&self, renderer: &str) -> Meta {
-        Meta::new(renderer, self.plan.technique.name(), self.model, &self.camera)
+        Meta { trims: self.trims(), ..Meta::new(renderer, self.plan.technique.name(), self.model, &self.camera) }
+    }
+
+    /// How the rasterizers trim, as their G-buffers say it: masks made for that error are at least as coarse as these.
+    fn trims(&self) -> Trims {
+        let (Some(masks), Trimming::Texture(options)) = (&self.scene.masks, &self.plan.trim) else {
+            return Trims::Exact;
+        };
+        let asked = match options.quality {
+            MaskQuality::Error { px } if masks.plan.coarser > 1.0 => px * masks.plan.coarser * COARSER_ROUNDING,
+            MaskQuality::Error { px } => px,
+            MaskQuality::Fixed { .. } => 0.0,
+        };
+        let found = masks.plan.error_px();
+        // Beyond what was asked all of it may be along u, or along v, each of which is granted a half.
+        let error_px = if found <= asked * COARSER_ROUNDING { asked } else { 2.0 * found };
+        Trims::Masks { error_px }
     }
 
     /// The CPU's G-buffer.
@@ -207,8 +249,27 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the adapter refuses.
     pub fn gpu(&self, device: &gpu::Device, shading: Option<&Shading>, overrides: gpu::Overrides) -> Result<OnGpu> {
+        self.drawn_by(&mut self.renderer(device, overrides)?, shading)
+    }
+
+    /// The GPU's renderer of this stage, and of the stages of its samples.
+    ///
+    /// # Errors
+    /// Where the adapter refuses.
+    pub fn renderer<'a>(
+        &'a self,
+        device: &'a gpu::Device,
+        overrides: gpu::Overrides<'_>,
+    ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
         let options = gpu::RendererOptions { curvature: true, interpolated_normals: false, overrides };
-        let mut renderer = gpu::Renderer::new(device, &self.scene, &self.proxy, options)?;
+        gpu::Renderer::new(device, &self.scene, &self.proxy, options)
+    }
+
+    /// What [`Self::gpu`] returns, by a renderer of this stage or of the one whose sample it is.
+    ///
+    /// # Errors
+    /// Where the adapter refuses.
+    pub fn drawn_by(&self, renderer: &mut gpu::Renderer<'_>, shading: Option<&Shading>) -> Result<OnGpu> {
         let gbuffer = renderer.gbuffer(&self.views, &self.camera, self.viewport, self.meta("gpu"))?;
         let size = self.model.hull().diagonal();
         let shaded = shading
@@ -337,7 +398,7 @@ impl<'m> Stage<'m> {
             bail!("the shaded picture measures {}x{}, not {width}x{height}", picture.width(), picture.height());
         }
         let uniform = shading.uniform(&self.camera, self.model.hull().diagonal());
-        let mut report = ShadedReport { covered: 0, differ: 0, first: None, verdict: Verdict::Differ };
+        let mut report = ShadedReport { covered: 0, differ: 0, first: None, sample: None, verdict: Verdict::Differ };
         for y in 0..height {
             for x in 0..width {
                 let allowed = match gpu.get(x, y) {

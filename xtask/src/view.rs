@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use scene::{Camera, Model, Projection, Viewport};
 use std::path::Path;
 
@@ -35,6 +35,9 @@ pub struct ViewArgs {
     /// Depth of the near plane, model units [default: 1/1024 of the distance to the target; 0 with --ortho]
     #[arg(long, value_name = "DEPTH", allow_negative_numbers = true)]
     pub near: Option<f64>,
+    /// The picture moved right and up in its own plane, in heights of the picture, as a photographer shifts a lens
+    #[arg(long, num_args = 2, value_names = ["RIGHT", "UP"], allow_negative_numbers = true)]
+    pub lens_shift: Option<Vec<f64>>,
     /// Size of the picture in pixels [default: 512x512]
     #[arg(long, value_name = "WxH")]
     pub size: Option<String>,
@@ -62,7 +65,8 @@ impl ModelArgs {
 impl ViewArgs {
     /// The first of these options that was given.
     pub fn given(&self) -> Option<&'static str> {
-        let vectors = [("--eye", &self.eye), ("--target", &self.target), ("--up", &self.up)];
+        let vectors =
+            [("--eye", &self.eye), ("--target", &self.target), ("--up", &self.up), ("--lens-shift", &self.lens_shift)];
         let numbers = [("--fov", self.fov), ("--ortho", self.ortho), ("--near", self.near)];
         let vector = vectors.into_iter().find(|(_, v)| v.is_some()).map(|(name, _)| name);
         let number = numbers.into_iter().find(|(_, n)| n.is_some()).map(|(name, _)| name);
@@ -97,7 +101,8 @@ impl ViewArgs {
         let eye = vector(&self.eye).unwrap_or(framing.eye());
         let target = vector(&self.target).unwrap_or_else(|| model.hull().center());
         let up = vector(&self.up).unwrap_or(DVec3::Z);
-        let camera = Camera::look_at(eye, target, up, projection)?;
+        let shift = self.lens_shift.as_ref().map_or(DVec2::ZERO, |shift| DVec2::new(shift[0], shift[1]));
+        let camera = Camera::look_at(eye, target, up, projection)?.with_lens_shift(shift)?;
         Ok(match self.near {
             Some(near) => camera.with_near(near)?,
             None => camera,

@@ -79,6 +79,8 @@ fn bad_views_are_refused_with_the_value() {
     refused(&["render", "--eye", "0", "0", "9", "--target", "0", "0", "0"], &["up vector"]);
     refused(&["render", "--eye", "NaN", "0", "9"], &["eye", "NaN"]);
     refused(&["render", "--near", "0"], &["near"]);
+    refused(&["render", "--lens-shift", "0", "inf"], &["lens shift", "inf"]);
+    refused(&["render", "--antialias", "3"], &["3", "4, 8, 16"]);
     refused(&["compare", "--chord", "0"], &["chord"]);
     refused(&["pixel", "teapot", "600,1"], &["600"]);
     refused(&["no-such-command"], &["no-such-command"]);
@@ -115,6 +117,37 @@ fn compare_prints_one_json_object_that_agrees() {
         assert!(pair["covered"].as_u64() > Some(500) && pair["covered"] == pair["agree"], "{pair}");
         assert!(pair["causes"].is_object() && pair["max_px"].is_number());
     }
+}
+
+#[test]
+fn samples_are_compared_together_and_saved_one_by_one() {
+    let output = xtask(&["compare", "window", "--size", "40x40", "--antialias", "4", "--format", "json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
+    let samples = report["samples"].as_array().expect("samples");
+    let positions: Vec<&Value> = samples.iter().map(|sample| &sample["position"]).collect();
+    assert_eq!(
+        positions,
+        [&json!([0.375, 0.125]), &json!([0.875, 0.375]), &json!([0.125, 0.625]), &json!([0.625, 0.875])]
+    );
+    assert_eq!(samples[0]["lens_shift"], json!([-0.125 / 40.0, 0.375 / 40.0]));
+    let pairs = report["pairs"].as_array().expect("pairs");
+    assert!(pairs.len() == 3 && pairs.iter().all(|pair| pair["covered"].as_u64() > Some(1000)), "{pairs:?}");
+    // Each sample's file is a G-buffer like any other; together they are covered as the comparison counted.
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let path = |name: &str| folder.join(name).to_str().expect("UTF-8").to_owned();
+    let arguments = ["render", "window", "--with", "raycast", "--size", "40x40", "--antialias", "4", "--gbuffer"];
+    let output = xtask(&[&arguments[..], &[&path("of-many.npz")]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(!Path::new(&path("of-many.npz")).exists());
+    let arguments = ["render", "window", "--size", "40x40", "--lens-shift", "-0.003125", "0.009375", "--gbuffer"];
+    assert_eq!(xtask(&[&arguments[..], &[&path("first.npz")]].concat()).status.code(), Some(0));
+    let judged = |sample: &str| xtask(&["compare", &path(sample), &path("first.npz"), "--format", "json"]);
+    let output = judged("of-many-0.npz");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let output = judged("of-many-1.npz");
+    assert!(output.status.code() == Some(2) && text(&output.stderr).contains("camera"), "{}", text(&output.stderr));
+    refused(&["compare", &path("first.npz"), "--antialias", "4"], &["--antialias", "lens shift"]);
 }
 
 /// A G-buffer of the teapot that NumPy wrote, 64 x 64.
@@ -270,7 +303,9 @@ fn geiger_s_figures_are_drawn_and_timed() {
     assert!(
         report["by_chords"].as_array().is_some_and(|rows| rows.iter().all(|row| row["gpu_ms"].as_f64() > Some(0.0)))
     );
-    assert!(std::fs::metadata(out.join("fig17.png")).expect("a picture").len() > 1000);
+    for name in ["fig17.png", "zoom.png"] {
+        assert!(std::fs::metadata(out.join(name)).expect("a picture").len() > 1000, "{name}");
+    }
 }
 
 #[test]

@@ -35,6 +35,9 @@ pub struct PixelReport {
     pub x: usize,
     /// Row, from the top.
     pub y: usize,
+    /// Which of the pixel's samples, from 0, where it has several (see [`PairReport::of_samples`]).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample: Option<usize>,
     /// Why it differs.
     pub cause: Cause,
     /// How many times over what was allowed the deciding quantity is; infinite where nothing is allowed.
@@ -142,6 +145,60 @@ pub struct PairReport {
 }
 
 impl PairReport {
+    /// What a pair of renderers' reports on the samples of a picture, in the samples' order, come to: counts are added up,
+    /// so that a pixel counts once for each sample, the greatest values are kept, and each of the worst pixels names its
+    /// sample. It agrees where every sample does by itself. `None` of no reports; a single one is returned as it is.
+    ///
+    /// The reports must be of the same two renderers and the same bounds.
+    pub fn of_samples(reports: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let mut reports: Vec<Self> = reports.into_iter().collect();
+        if reports.len() > 1 {
+            for (sample, report) in reports.iter_mut().enumerate() {
+                report.worst.iter_mut().for_each(|pixel| pixel.sample = Some(sample));
+                report.explanation = report.explanation.take().map(|text| format!("sample {sample}: {text}"));
+            }
+        }
+        reports.into_iter().reduce(Self::with)
+    }
+
+    /// This report and one of other pixels of the same pair.
+    pub(crate) fn with(mut self, other: Self) -> Self {
+        self.covered += other.covered;
+        self.agree += other.agree;
+        for (cause, count) in other.causes {
+            *self.causes.entry(cause).or_default() += count;
+        }
+        self.coverage.full += other.coverage.full;
+        self.coverage.partial += other.coverage.partial;
+        self.coverage.none += other.coverage.none;
+        self.unbounded += other.unbounded;
+        self.ambiguous += other.ambiguous;
+        self.unconverged += other.unconverged;
+        if let (Some(own), Some(others)) = (&mut self.identical, other.identical) {
+            own.alike += others.alike;
+            own.identical += others.identical;
+        }
+        if let (Some(own), Some(others)) = (&mut self.edges, other.edges) {
+            own.merge(&others);
+        }
+        if other.max_px > self.max_px {
+            (self.max_px, self.bound_px) = (other.max_px, other.bound_px);
+        }
+        self.greatest_bound_px = self.greatest_bound_px.max(other.greatest_bound_px);
+        self.max_along = self.max_along.max(other.max_along);
+        self.position_share = self.position_share.max(other.position_share);
+        self.normal_share = self.normal_share.max(other.normal_share);
+        self.curvature_share = self.curvature_share.max(other.curvature_share);
+        self.shares.merge(&other.shares);
+        self.worst.extend(other.worst);
+        keep_worst(&mut self.worst);
+        if other.verdict == Verdict::Differ {
+            self.verdict = Verdict::Differ;
+        }
+        self.explanation = self.explanation.or(other.explanation);
+        self
+    }
+
     /// Number of pixels that differ, undecided ones not counted.
     pub fn differing(&self) -> usize {
         self.causes.iter().filter(|(cause, _)| **cause != Cause::Undecided).map(|(_, n)| n).sum()
@@ -151,4 +208,11 @@ impl PairReport {
     pub fn main_cause(&self) -> Option<Cause> {
         self.causes.iter().max_by_key(|(cause, n)| (**n, std::cmp::Reverse(**cause))).map(|(cause, _)| *cause)
     }
+}
+
+/// Sorts worst first (ties by position) and drops the rest.
+pub(crate) fn keep_worst(pixels: &mut Vec<PixelReport>) {
+    let place = |pixel: &PixelReport| (pixel.y, pixel.x, pixel.sample);
+    pixels.sort_by(|a, b| b.excess.total_cmp(&a.excess).then(place(a).cmp(&place(b))));
+    pixels.truncate(WORST);
 }

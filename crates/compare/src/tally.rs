@@ -2,7 +2,7 @@
 
 use crate::judge::Difference;
 use crate::pair::Pair;
-use crate::report::{Coverage, Edges, Identical, PairReport, PixelReport, Verdict, WORST};
+use crate::report::{Coverage, Edges, Identical, PairReport, PixelReport, Verdict, WORST, keep_worst};
 use crate::{Cause, Histograms};
 
 /// The share of covered pixels that may stay undecided in an agreement.
@@ -93,7 +93,7 @@ impl Tally {
             }
             Err(Difference { cause, excess, detail }) => {
                 *report.causes.entry(cause).or_default() += 1;
-                report.worst.push(PixelReport { x, y, cause, excess, detail });
+                report.worst.push(PixelReport { x, y, sample: None, cause, excess, detail });
                 if report.worst.len() > 4 * WORST {
                     keep_worst(&mut report.worst);
                 }
@@ -101,38 +101,8 @@ impl Tally {
         }
     }
 
-    pub fn merged(mut self, other: Self) -> Self {
-        let (a, b) = (&mut self.report, other.report);
-        a.covered += b.covered;
-        a.agree += b.agree;
-        a.unbounded += b.unbounded;
-        a.ambiguous += b.ambiguous;
-        a.unconverged += b.unconverged;
-        if let (Some(a), Some(b)) = (&mut a.identical, b.identical) {
-            a.alike += b.alike;
-            a.identical += b.identical;
-        }
-        if let (Some(a), Some(b)) = (&mut a.edges, b.edges) {
-            a.merge(&b);
-        }
-        a.shares.merge(&b.shares);
-        a.coverage.full += b.coverage.full;
-        a.coverage.partial += b.coverage.partial;
-        a.coverage.none += b.coverage.none;
-        for (cause, count) in b.causes {
-            *a.causes.entry(cause).or_default() += count;
-        }
-        if b.max_px > a.max_px {
-            (a.max_px, a.bound_px) = (b.max_px, b.bound_px);
-        }
-        a.greatest_bound_px = a.greatest_bound_px.max(b.greatest_bound_px);
-        a.max_along = a.max_along.max(b.max_along);
-        a.position_share = a.position_share.max(b.position_share);
-        a.normal_share = a.normal_share.max(b.normal_share);
-        a.curvature_share = a.curvature_share.max(b.curvature_share);
-        a.worst.extend(b.worst);
-        keep_worst(&mut a.worst);
-        self
+    pub fn merged(self, other: Self) -> Self {
+        Self { report: self.report.with(other.report) }
     }
 
     pub fn finished(mut self) -> PairReport {
@@ -152,10 +122,4 @@ impl Tally {
         }
         self.report
     }
-}
-
-/// Sorts worst first (ties by position) and drops the rest.
-fn keep_worst(pixels: &mut Vec<PixelReport>) {
-    pixels.sort_by(|a, b| b.excess.total_cmp(&a.excess).then((a.y, a.x).cmp(&(b.y, b.x))));
-    pixels.truncate(WORST);
 }

@@ -2,10 +2,25 @@
 
 use crate::Hit;
 use scene::{Camera, Model, Viewport};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 /// Marks a pixel without a hit.
 pub(crate) const NO_HIT: u32 = u32::MAX;
+
+/// How the faces of a G-buffer were trimmed.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Trims {
+    /// By their curves, or not at all.
+    #[default]
+    Exact,
+    /// By masks.
+    Masks {
+        /// How far an edge may be off at its face's nearest depth, pixels; as much along u as along v, each at most half.
+        error_px: f64,
+    },
+}
 
 /// Where a G-buffer comes from: what a reader needs to repeat or to judge it.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +29,8 @@ pub struct Meta {
     pub renderer: String,
     /// The technique: `fragment`, `exact`, or `rays` for a ray caster.
     pub technique: String,
+    /// How faces were trimmed.
+    pub trims: Trims,
     /// Name of the model.
     pub model: String,
     /// [`Model::hash`] of the model.
@@ -29,11 +46,12 @@ pub struct Meta {
 }
 
 impl Meta {
-    /// The facts of a rendering of `model` as `camera` sees it, by a renderer of this program.
+    /// The facts of a rendering of `model` as `camera` sees it, by a renderer of this program that trims exactly.
     pub fn new(renderer: &str, technique: &str, model: &Model, camera: &Camera) -> Self {
         Self {
             renderer: renderer.to_owned(),
             technique: technique.to_owned(),
+            trims: Trims::Exact,
             model: model.name().to_owned(),
             model_hash: model.hash(),
             camera: json!(camera),

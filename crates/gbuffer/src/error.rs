@@ -186,6 +186,9 @@ pub enum GBufferError {
         /// Number of colours given.
         count: usize,
     },
+    /// No picture was given where at least one is needed.
+    #[error("there are no pictures to average")]
+    NoPictures,
     /// Two pictures to be compared differ in size.
     #[error("a picture of {}x{} pixels beside one of {}x{}", a[0], a[1], b[0], b[1])]
     PictureSizesDiffer {

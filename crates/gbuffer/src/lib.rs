@@ -14,7 +14,7 @@ mod picture;
 mod resolve;
 mod shade;
 
-pub use buffer::{GBuffer, Meta};
+pub use buffer::{GBuffer, Meta, Trims};
 pub use error::GBufferError;
 pub use hit::{EDGE_REACH_PX, Hit, PrincipalCurvatures};
 pub use picture::Picture;

@@ -132,6 +132,30 @@ impl Picture {
         Ok((Self::false_colour(a.width, a.height, value, [1.0, f64::from(greatest)]), greatest))
     }
 
+    /// The mean of pictures of one size, in linear light: colours are decoded from sRGB (IEC 61966-2-1), as screens show
+    /// them, added up, and encoded, rounded to the nearest. What is the same in all of them stays as it is.
+    ///
+    /// Of pictures of a pixel's samples this is the anti-aliased picture. Where a channel of each is off by half a step,
+    /// the rounding of [`unorm8`](crate::unorm8), the mean is off by at most a step.
+    ///
+    /// # Errors
+    /// [`GBufferError::NoPictures`], [`GBufferError::PictureSizesDiffer`].
+    pub fn average(pictures: &[Self]) -> Result<Self, GBufferError> {
+        let [first, rest @ ..] = pictures else { return Err(GBufferError::NoPictures) };
+        let (width, height) = (first.width, first.height);
+        if let Some(other) = rest.iter().find(|other| (other.width, other.height) != (width, height)) {
+            let (a, b) = ([width, height], [other.width, other.height]);
+            return Err(GBufferError::PictureSizesDiffer { a, b });
+        }
+        let light: Vec<f64> = (0..=255).map(light_from_srgb).collect();
+        let mean = |i: usize, channel: usize| {
+            let sum: f64 = pictures.iter().map(|picture| light[usize::from(picture.rgb[i][channel])]).sum();
+            srgb_from_light(sum / pictures.len() as f64)
+        };
+        let rgb = (0..first.rgb.len()).map(|i| [0, 1, 2].map(|channel| mean(i, channel))).collect();
+        Ok(Self { width, height, rgb })
+    }
+
     /// A vertical strip of the colours of a scale, from `colour(1.0)` on top to `colour(0.0)` at the bottom, with a tick
     /// at both ends and at each quarter. 24 pixels wide; a height of 0 is taken as 1.
     pub fn legend(height: usize, colour: impl Fn(f64) -> [u8; 3]) -> Self {
@@ -163,6 +187,18 @@ impl Picture {
         }
         all
     }
+}
+
+/// Linear light, 0 to 1, of an sRGB value of 8 bits. libm's power, so that pictures do not depend on the platform's.
+fn light_from_srgb(value: u8) -> f64 {
+    let x = f64::from(value) / 255.0;
+    if x <= 0.04045 { x / 12.92 } else { libm::pow((x + 0.055) / 1.055, 2.4) }
+}
+
+/// The sRGB value, of 8 bits, nearest to linear light from 0 to 1.
+fn srgb_from_light(light: f64) -> u8 {
+    let x = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * libm::pow(light, 1.0 / 2.4) - 0.055 };
+    (255.0 * x).round() as u8
 }
 
 /// The colour of 0 to 1.
@@ -237,6 +273,22 @@ mod tests {
         assert_eq!((all.pixel(1, 2), all.pixel(2, 0), all.pixel(2 + GAP, 0)), ([1; 3], background(), [2; 3]));
         assert_eq!(all.pixel(2 + GAP, 1), background());
         assert_eq!(Picture::beside(&[]), plain(1, 1, background()));
+    }
+
+    #[test]
+    fn an_average_is_one_of_light() {
+        let (black, white) = (plain(2, 1, [0; 3]), plain(2, 1, [255; 3]));
+        // Half the light of white is shown by 188, three quarters by 225 (sRGB; by a gamma of 2.2: 186 and 224).
+        let mean = |pictures: &[Picture]| Picture::average(pictures).unwrap().pixel(1, 0)[0];
+        assert_eq!(mean(&[black.clone(), white.clone()]), 188);
+        assert_eq!(mean(&[white.clone(), black.clone(), white.clone(), white.clone()]), 225);
+        for value in 0..=255 {
+            let same = plain(1, 1, [value, 0, 255]);
+            assert_eq!(Picture::average(&[same.clone(), same.clone(), same.clone()]).unwrap(), same);
+        }
+        assert!(matches!(Picture::average(&[]), Err(GBufferError::NoPictures)));
+        let other = Picture::average(&[black, plain(1, 2, [0; 3])]);
+        assert!(matches!(other, Err(GBufferError::PictureSizesDiffer { .. })));
     }
 
     #[test]

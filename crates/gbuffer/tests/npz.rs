@@ -1,6 +1,6 @@
 //! G-buffer files: what is written is read back, what others wrote is read, and what is wrong is refused by name.
 
-use gbuffer::{GBuffer, GBufferError, Hit, Meta, PrincipalCurvatures};
+use gbuffer::{GBuffer, GBufferError, Hit, Meta, PrincipalCurvatures, Trims};
 use glam::{DVec2, DVec3};
 use nurbs::Normal;
 use scene::{FaceId, Viewport};
@@ -18,6 +18,7 @@ fn meta() -> Meta {
     Meta {
         renderer: "raycast".to_owned(),
         technique: "rays".to_owned(),
+        trims: Trims::Masks { error_px: 0.1 },
         model: "Kännchen 🫖".to_owned(),
         model_hash: "0123456789abcdef".to_owned(),
         camera: json!({"eye": [0.1, -2.0e-17, 1.0e300], "fov_deg": 40.0}),

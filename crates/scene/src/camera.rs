@@ -56,8 +56,9 @@ pub enum Projection {
 
 /// A right-handed look-at camera.
 ///
-/// Serialises to `eye`, `target`, `up`, `projection` and `near`, and is read back from them by [`Self::look_at`] and
-/// [`Self::with_near`], bit for bit; `near` may be absent.
+/// Serialises to `eye`, `target`, `up`, `projection`, `near` and, unless it is zero, `lens_shift`, and is read back from
+/// them by [`Self::look_at`], [`Self::with_near`] and [`Self::with_lens_shift`], bit for bit; `near` and `lens_shift` may
+/// be absent.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "CameraText")]
 pub struct Camera {
@@ -66,6 +67,9 @@ pub struct Camera {
     up: DVec3,
     projection: Projection,
     near: f64,
+    /// Right and up, in heights of the picture.
+    #[serde(skip_serializing_if = "is_zero")]
+    lens_shift: DVec2,
     #[serde(skip)]
     right: DVec3,
     #[serde(skip)]
@@ -77,6 +81,11 @@ pub struct Camera {
     half_height: f64,
 }
 
+/// Cameras without a lens shift are written as before there were any, so that files keep their bytes.
+fn is_zero(shift: &DVec2) -> bool {
+    *shift == DVec2::ZERO
+}
+
 /// A camera as it stands in a file.
 #[derive(Deserialize)]
 struct CameraText {
@@ -85,14 +94,16 @@ struct CameraText {
     up: DVec3,
     projection: Projection,
     near: Option<f64>,
+    #[serde(default)]
+    lens_shift: DVec2,
 }
 
 impl TryFrom<CameraText> for Camera {
     type Error = SceneError;
 
     fn try_from(text: CameraText) -> Result<Self, SceneError> {
-        let CameraText { eye, target, up, projection, near } = text;
-        let camera = Self::look_at(eye, target, up, projection)?;
+        let CameraText { eye, target, up, projection, near, lens_shift } = text;
+        let camera = Self::look_at(eye, target, up, projection)?.with_lens_shift(lens_shift)?;
         near.map_or(Ok(camera), |near| camera.with_near(near))
     }
 }
@@ -101,7 +112,7 @@ impl Camera {
     /// A camera at `eye` that looks at `target`; `up` points upward in the picture.
     ///
     /// The near plane lies at 1/1024 of the distance to the target (perspective) or at the eye's plane
-    /// (orthographic); see [`Self::with_near`].
+    /// (orthographic); see [`Self::with_near`]. There is no lens shift.
     ///
     /// # Errors
     /// [`SceneError`]'s camera variants, naming the value.
@@ -139,7 +150,8 @@ impl Camera {
             }
         };
         let above = right.cross(forward);
-        Ok(Self { eye, target, up, projection, near, right, above, forward, half_height })
+        let lens_shift = DVec2::ZERO;
+        Ok(Self { eye, target, up, projection, near, lens_shift, right, above, forward, half_height })
     }
 
     /// The same camera with the near plane at depth `near`, in model units along the view direction.
@@ -152,6 +164,21 @@ impl Camera {
             return Err(SceneError::Near { near });
         }
         Ok(Self { near, ..self })
+    }
+
+    /// The same camera with its picture moved by `shift` in its own plane, right and up, in heights of the picture, as a
+    /// photographer shifts a lens: the frustum is off the view's axis, and nothing turns.
+    ///
+    /// What an unshifted camera shows in the picture's middle is `shift` left of it and below. A positive shift of
+    /// 1 / height to the right shows in each pixel what its right neighbour showed.
+    ///
+    /// # Errors
+    /// [`SceneError::CameraNotFinite`].
+    pub fn with_lens_shift(self, shift: DVec2) -> Result<Self, SceneError> {
+        match shift.to_array().into_iter().find(|x| !x.is_finite()) {
+            Some(value) => Err(SceneError::CameraNotFinite { name: "lens shift", value }),
+            None => Ok(Self { lens_shift: shift, ..self }),
+        }
     }
 
     /// A camera that frames `model` from the front right, above: eye along (1, −1.6, 0.9) from the centre of its
@@ -215,10 +242,16 @@ impl Camera {
         self.near
     }
 
+    /// How far the picture is moved in its own plane, right and up, in heights of the picture.
+    pub fn lens_shift(&self) -> DVec2 {
+        self.lens_shift
+    }
+
     /// The ray through picture position (x, y), in pixels from the top left corner; a pixel's centre is at + ½.
     pub fn ray(&self, viewport: Viewport, x: f64, y: f64) -> Ray {
-        let across = (2.0 * x / viewport.width() as f64 - 1.0) * viewport.aspect() * self.half_height;
-        let up = (1.0 - 2.0 * y / viewport.height() as f64) * self.half_height;
+        let [shift_right, shift_up] = (2.0 * self.lens_shift).to_array();
+        let across = ((2.0 * x / viewport.width() as f64 - 1.0) * viewport.aspect() + shift_right) * self.half_height;
+        let up = (1.0 - 2.0 * y / viewport.height() as f64 + shift_up) * self.half_height;
         let offset = across * self.right + up * self.above;
         match self.projection {
             Projection::Perspective { .. } => {
@@ -255,8 +288,9 @@ impl Camera {
             return None;
         }
         let scale = self.pixels_per_unit(viewport, depth);
-        let x = 0.5 * viewport.width() as f64 + q.dot(self.right) * scale;
-        let y = 0.5 * viewport.height() as f64 - q.dot(self.above) * scale;
+        let shift_px = self.lens_shift * viewport.height() as f64;
+        let x = 0.5 * viewport.width() as f64 - shift_px.x + q.dot(self.right) * scale;
+        let y = 0.5 * viewport.height() as f64 + shift_px.y - q.dot(self.above) * scale;
         Some(DVec2::new(x, y))
     }
 
@@ -324,7 +358,10 @@ impl Camera {
             Projection::Perspective { .. } => (DVec4::new(0.0, 0.0, 0.0, self.near), row(self.forward, 1.0, 0.0)),
             Projection::Orthographic { .. } => (row(self.forward, -1.0 / range, 1.0 + self.near / range), DVec4::W),
         };
-        DMat4::from_cols(row(self.right, x, 0.0), row(self.above, y, 0.0), depth, last).transpose()
+        // A shift of the picture is a multiple of w.
+        let across = row(self.right, x, 0.0) - last * (2.0 * self.lens_shift.x / viewport.aspect());
+        let up = row(self.above, y, 0.0) - last * (2.0 * self.lens_shift.y);
+        DMat4::from_cols(across, up, depth, last).transpose()
     }
 }
 
@@ -332,10 +369,34 @@ impl Camera {
 mod tests {
     use super::*;
 
-    fn cameras() -> [Camera; 2] {
-        [Projection::Perspective { fov_deg: 50.0 }, Projection::Orthographic { height: 3.0 }].map(|projection| {
-            Camera::look_at(DVec3::new(3.0, -4.0, 2.0), DVec3::new(0.1, 0.2, 0.3), DVec3::Z, projection).unwrap()
-        })
+    fn cameras() -> [Camera; 4] {
+        let [a, b] =
+            [Projection::Perspective { fov_deg: 50.0 }, Projection::Orthographic { height: 3.0 }].map(|projection| {
+                Camera::look_at(DVec3::new(3.0, -4.0, 2.0), DVec3::new(0.1, 0.2, 0.3), DVec3::Z, projection).unwrap()
+            });
+        let shifted = |camera: Camera| camera.with_lens_shift(DVec2::new(0.31, -0.17)).unwrap();
+        [a, b, shifted(a), shifted(b)]
+    }
+
+    #[test]
+    fn a_lens_shift_shows_in_each_pixel_what_another_place_showed() {
+        let viewport = Viewport::new(320, 200).unwrap();
+        let [a, b, shifted_a, shifted_b] = cameras();
+        for (plain, shifted) in [(a, shifted_a), (b, shifted_b)] {
+            for (x, y) in [(0.5, 0.5), (160.0, 100.0), (319.5, 12.25)] {
+                let (seen, expected) =
+                    (shifted.ray(viewport, x, y), plain.ray(viewport, x + 0.31 * 200.0, y + 0.17 * 200.0));
+                assert!(seen.origin.distance(expected.origin) < 1e-14, "{seen:?} {expected:?}");
+                assert!(seen.direction.distance(expected.direction) < 1e-14, "{seen:?} {expected:?}");
+                assert!((seen.near - expected.near).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_lens_shift_that_is_not_finite_is_refused() {
+        let error = cameras()[0].with_lens_shift(DVec2::new(0.0, f64::NAN)).unwrap_err();
+        assert!(matches!(error, SceneError::CameraNotFinite { name: "lens shift", .. }));
     }
 
     #[test]

@@ -122,7 +122,7 @@ pub enum SceneError {
         /// Height in pixels.
         height: usize,
     },
-    /// A camera vector has a coordinate that is NaN or infinite.
+    /// A camera's vector or shift has a coordinate that is NaN or infinite.
     #[error("the camera's {name} is {value}, not a finite number")]
     CameraNotFinite {
         /// Which value.

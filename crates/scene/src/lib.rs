@@ -1,4 +1,5 @@
-//! What is drawn, and from where: faces and their trimmed regions, models, cameras and viewports, all in f64.
+//! What is drawn, and from where: faces and their trimmed regions, models, cameras, viewports and the
+//! samples of a pixel, all in f64.
 
 mod camera;
 mod edges;
@@ -7,6 +8,7 @@ mod face;
 mod model;
 mod profile;
 mod region;
+mod samples;
 mod viewport;
 
 pub use camera::{Camera, Projection, Ray};
@@ -16,4 +18,5 @@ pub use face::{Face, FaceId, Loop, Trim};
 pub use model::Model;
 pub use profile::{Profile, loops_from_profiles};
 pub use region::{ClosedLoop, Piece, Region, Repairs, Segment};
+pub use samples::SamplePattern;
 pub use viewport::{MAX_PIXELS, MAX_SIDE, Viewport};

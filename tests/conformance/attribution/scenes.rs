@@ -83,7 +83,7 @@ impl Shown {
         let plan = Plan { chord_px: 0.5, ..Plan::default() };
         let mut stage = Stage::new(&self.model, self.camera, viewport(), plan).expect("a stage");
         if let Some(cells) = self.cells {
-            stage.proxy = Proxy::uniform(&self.model, &stage.scene, cells).expect("few triangles");
+            stage.proxy = Proxy::uniform(&self.model, &stage.scene, cells).expect("few triangles").into();
         }
         stage
     }

@@ -105,7 +105,8 @@ fn a_missing_inner_loop_differs_along_the_trim() {
         let mut renderer = gpu::Renderer::new(&device, &faulty, &stage.proxy, options).expect("the GPU takes it");
         let on_gpu = renderer.gbuffer(&stage.views, &camera, viewport, stage.meta("gpu")).expect("the GPU draws");
         let on_cpu =
-            Stage { scene: faulty, ..Stage::new(&model, camera, viewport, stage.plan).expect("a stage") }.raster();
+            Stage { scene: faulty.into(), ..Stage::new(&model, camera, viewport, stage.plan).expect("a stage") }
+                .raster();
         for buffer in [&on_gpu, &on_cpu] {
             let pair = stage.against_raycast(&caster, &stage.raycast(&caster), buffer).expect("comparable");
             let of_trim = pair.causes.get(&Cause::Trim).copied().unwrap_or(0);

@@ -8,7 +8,7 @@ use pipeline::Technique;
 use pipeline::edge::{edge, packed, unpacked};
 use raycast::Caster;
 use scene::{Camera, Face, FaceId, Loop, Model, Projection, Trim, Viewport};
-use xtask::stage::{Antialias, Plan, Stage};
+use xtask::stage::{Plan, Stage};
 
 /// Side of the pictures, pixels.
 const SIDE: usize = 48;
@@ -20,7 +20,7 @@ fn viewport() -> Viewport {
 }
 
 fn plan(technique: Technique) -> Plan {
-    Plan { technique, antialias: Antialias::Trims, ..Plan::default() }
+    Plan { technique, edges: true, ..Plan::default() }
 }
 
 fn bezier(points: &[DVec2], weights: Option<Vec<f64>>) -> Trim {

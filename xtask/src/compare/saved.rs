@@ -4,12 +4,16 @@
 //! is the caller's to say, so a file cannot excuse itself.
 
 use super::{CompareArgs, answer, pictures::Pictures, table};
+use crate::antialias::Antialias;
+use crate::masks::TrimGrant;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
 use compare::{Deviation, Judge, PairReport, Verdict};
-use gbuffer::{GBuffer, Meta};
+use gbuffer::{GBuffer, Meta, Trims};
+use pipeline::PackedScene;
+use pipeline::mask::{MaskOptions, MaskPlan, MaskQuality, Trimming};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 use serde::{Deserialize, Serialize};
@@ -87,6 +91,11 @@ impl SavedFile {
             ("raster" | "gpu", "fragment") => Origin::Twin,
             _ => Origin::Foreign,
         };
+        if let Trims::Masks { error_px } = meta.trims
+            && !(error_px > 0.0 && error_px.is_finite())
+        {
+            bail!("{}: meta's trims: an error of masks of {error_px} px: it must be positive", place());
+        }
         let meta = Meta { camera: json!(camera), ..meta.clone() };
         Ok(Self { path: path.to_owned(), buffer: buffer.with_meta(meta), camera, origin })
     }
@@ -134,15 +143,50 @@ impl SavedFile {
         Ok(())
     }
 
+    /// The plan with the trims that the file has.
+    ///
+    /// # Errors
+    /// Where that is not what the caller says, or more than is granted.
+    fn trimmed(&self, plan: Plan, grant: TrimGrant) -> Result<Plan> {
+        let trims = self.buffer.meta().trims;
+        let is_masked = trims != Trims::Exact;
+        if grant.masked.is_some_and(|masked| masked != is_masked) {
+            let [own, flag] = [is_masked, !is_masked].map(|masked| if masked { "masks" } else { "exact trims" });
+            bail!(
+                "{}: its meta says {own}, and --trim {flag}: leave --trim out, or mend meta's \"trims\"",
+                self.place()
+            );
+        }
+        let trim = match trims {
+            Trims::Exact => Trimming::Exact,
+            Trims::Masks { error_px } if error_px > grant.mask_px => bail!(
+                "{}: its masks may be off by {error_px} px, above the {} px that are granted: --mask-px grants more",
+                self.place(),
+                grant.mask_px
+            ),
+            Trims::Masks { error_px: px } => {
+                Trimming::Texture(MaskOptions { quality: MaskQuality::Error { px }, ..MaskOptions::default() })
+            }
+        };
+        Ok(Plan { trim, ..plan })
+    }
+
     /// What this renderer is granted against the surface itself; `twins` is the stage of our own rasterizers.
     fn deviation(&self, saved: &Saved, plan: Plan, twins: Option<&Stage>) -> Result<Deviation> {
         let Saved { model, camera, viewport, .. } = saved;
-        match (self.buffer.meta().technique.as_str(), twins.filter(|_| self.origin == Origin::Twin)) {
-            ("fragment", Some(stage)) => Ok(Deviation::of_proxy(&stage.interpolation, &stage.proxy.chord)),
-            ("fragment", None) => Ok(Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px)),
-            ("exact" | "rays", _) => Ok(Deviation::exact(model)),
+        let meta = self.buffer.meta();
+        let deviation = match (meta.technique.as_str(), twins.filter(|_| self.origin == Origin::Twin)) {
+            ("fragment", Some(stage)) => Deviation::of_proxy(&stage.interpolation, &stage.proxy.chord),
+            ("fragment", None) => Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px),
+            ("exact" | "rays", _) => Deviation::exact(model),
             (other, _) => bail!("{}: meta's technique {other:?} is none of fragment, exact, rays", self.place()),
-        }
+        };
+        Ok(match meta.trims {
+            Trims::Exact => deviation,
+            Trims::Masks { error_px } => {
+                Deviation { text: format!("{}; trim edges: masks within {error_px} px", deviation.text), ..deviation }
+            }
+        })
     }
 }
 
@@ -183,11 +227,13 @@ impl Saved {
     /// candidate against the first.
     ///
     /// Flat triangles are granted the plan's chord error. Where both candidates are our own rasterizers', drawn by this
-    /// very plan, they are compared as the twins that they are: of the same triangles.
+    /// very plan, they are compared as the twins that they are: of the same triangles. Trims are those that each file says,
+    /// within what is granted.
     ///
     /// # Errors
-    /// Where the chord error is not positive, a technique is unknown, or there is nothing to compare.
-    pub fn compare(&self, plan: Plan) -> Result<SavedComparison> {
+    /// Where a file's trims are not those granted, the chord error is not positive, a technique is unknown, or there is nothing to
+    /// compare.
+    pub fn compare(&self, plan: Plan, grant: TrimGrant) -> Result<SavedComparison> {
         if plan.chord_px <= 0.0 || !plan.chord_px.is_finite() {
             bail!("a chord error of {} pixels: it must be positive", plan.chord_px);
         }
@@ -197,9 +243,14 @@ impl Saved {
         if candidates.is_empty() {
             bail!("{}: it is the ray caster's own, and there is no other to judge", self.files[0].place());
         }
-        let twins = candidates.iter().filter(|file| file.origin == Origin::Twin).count();
-        let stage = || Stage::new(&self.model, self.camera, self.viewport, plan);
-        let stage = (twins > 0).then(stage).transpose()?;
+        let plans: Vec<Plan> = candidates.iter().map(|file| file.trimmed(plan, grant)).collect::<Result<_>>()?;
+        let twins: Vec<Plan> = candidates
+            .iter()
+            .zip(&plans)
+            .filter(|(file, _)| file.origin == Origin::Twin)
+            .map(|(_, plan)| *plan)
+            .collect();
+        let stage = twins.first().map(|&plan| Stage::new(&self.model, self.camera, self.viewport, plan)).transpose()?;
         let deviations: Vec<Deviation> =
             candidates.iter().map(|file| file.deviation(self, plan, stage.as_ref())).collect::<Result<_>>()?;
         let caster = Caster::new(&self.model);
@@ -209,25 +260,54 @@ impl Saved {
         });
         let reference = cast.as_ref().unwrap_or_else(|| &self.files[given.expect("none was cast")].buffer);
         let rays = Rays { caster: &caster, camera: self.camera, viewport: self.viewport };
-        let scene = plan.packed(&self.model, &self.camera, self.viewport)?;
-        let judge =
-            Judge::new(&self.model, &self.camera, self.viewport, &scene).with_unbounded_share(plan.unbounded_share);
-        let pair = |a: &GBuffer, b: &GBuffer, deviation: &Deviation, exact: bool| -> Result<PairReport> {
+        let scenes: Vec<PackedScene> = plans.iter().map(|plan| self.granted(plan)).collect::<Result<_>>()?;
+        let pair = |a: &GBuffer, b: &GBuffer, deviation: &Deviation, exact: bool, scene| -> Result<PairReport> {
+            let judge = Judge::new(&self.model, &self.camera, self.viewport, scene);
+            let judge = judge.with_unbounded_share(plan.unbounded_share);
             let what = format!("{} | {}", a.meta().renderer, b.meta().renderer);
             let bar = terminal::progress(&what, self.viewport.height());
             Ok(judge.pair(a, &rays, b, deviation, exact, &|rows| bar.inc(rows as u64))?)
         };
         let mut pairs = vec![];
-        for (file, deviation) in candidates.iter().zip(&deviations) {
-            pairs.push(pair(reference, &file.buffer, deviation, true)?);
+        for ((file, deviation), scene) in candidates.iter().zip(&deviations).zip(&scenes) {
+            pairs.push(pair(reference, &file.buffer, deviation, true, scene)?);
         }
         if let ([a, b], [of_a, of_b]) = (&candidates[..], &deviations[..]) {
             pairs.push(match &stage {
-                Some(stage) if twins == 2 => stage.against_raster(&a.buffer, &b.buffer)?,
-                _ => pair(&a.buffer, &b.buffer, &of_a.either(of_b), false)?,
+                Some(stage) if twins.len() == 2 && twins[0] == twins[1] => {
+                    stage.against_raster(&a.buffer, &b.buffer)?
+                }
+                _ => {
+                    let error_px = |plan: &Plan| match plan.trim {
+                        Trimming::Texture(MaskOptions { quality: MaskQuality::Error { px }, .. }) => px,
+                        _ => 0.0,
+                    };
+                    let coarser = usize::from(error_px(&plans[1]) > error_px(&plans[0]));
+                    pair(&a.buffer, &b.buffer, &of_a.either(of_b), false, &scenes[coarser])?
+                }
             });
         }
         Ok(SavedComparison { cast, pairs })
+    }
+}
+
+impl Saved {
+    /// The model as a candidate's program reads it, its edges in the bands of the masks that it says it has. These are not
+    /// drawn, and granted no more than they claim: a file's claim takes no memory.
+    fn granted(&self, plan: &Plan) -> Result<PackedScene> {
+        let mut scene = PackedScene::new(&self.model, plan.scheme)?;
+        if let Trimming::Texture(options) = plan.trim
+            && let MaskQuality::Error { px } = options.quality
+        {
+            let options = MaskOptions { memory: u64::MAX, ..options };
+            let masks = MaskPlan::new(&self.model, &self.camera, self.viewport, &options)?;
+            for (frame, tile) in scene.frames.iter_mut().zip(&masks.tiles) {
+                if let Some(tile) = tile {
+                    frame.edge_band = tile.band * (px / tile.error_px).min(1.0);
+                }
+            }
+        }
+        Ok(scene)
     }
 }
 
@@ -282,10 +362,13 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
     if let Some(option) = args.view.given().or(args.drawing.adapter.as_ref().map(|_| "--adapter")) {
         bail!("{option} does not go with saved G-buffers, which bring their own camera, size and adapter");
     }
+    if args.antialias != Antialias::None {
+        bail!("--antialias does not go with saved G-buffers: each is one sample, by its camera's lens shift");
+    }
     let paths: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
     let saved = Saved::open(&paths, args.of_model.as_deref())?;
     let plan = args.drawing.plan();
-    let SavedComparison { cast, pairs } = saved.compare(plan)?;
+    let SavedComparison { cast, pairs } = saved.compare(plan, args.drawing.trim.grant())?;
     let buffers: Vec<&GBuffer> = cast.iter().chain(saved.files.iter().map(|file| &file.buffer)).collect();
     let reference = buffers.iter().find(|buffer| buffer.meta().renderer == pairs[0].reference);
     let report = Report {

@@ -1,16 +1,18 @@
 //! A comparison in words and columns.
 
-use super::Report;
+use super::rendered::Report;
+use crate::antialias::SampleReport;
 use comfy_table::{Attribute, Cell, Color, Table, presets::UTF8_FULL_CONDENSED};
 use compare::{PairReport, Verdict};
+use std::collections::BTreeSet;
 
 /// Pixels of the worst that the table lists for each pair.
 const LISTED: usize = 8;
 
 /// Prints what the three renderers' comparison found.
 pub(super) fn print(report: &Report) {
-    let adapter = match (report.adapter, report.gpu_not_run) {
-        (Some(name), _) => format!("{name} ({})", report.driver.unwrap_or("driver unknown")),
+    let adapter = match (&report.adapter, &report.gpu_not_run) {
+        (Some(name), _) => format!("{name} ({})", report.driver.as_deref().unwrap_or("driver unknown")),
         (None, Some(why)) => format!("NOT RUN: {why}"),
         (None, None) => "none".to_owned(),
     };
@@ -21,10 +23,14 @@ pub(super) fn print(report: &Report) {
     if let Some(masks) = &report.masks {
         println!("{}", masks.line());
     }
+    if report.samples.len() > 1 {
+        println!("{} samples a pixel, each judged by itself: pixels count once for each", report.samples.len());
+    }
     pairs(report.pairs);
+    shifts(report);
     if let Some(shaded) = &report.shaded {
         let verdict = if shaded.verdict == Verdict::Agree { "agree" } else { "DIFFER" };
-        let at = shaded.first.map_or(String::new(), |[x, y]| format!(", first at ({x}, {y})"));
+        let at = shaded.first.map_or(String::new(), |[x, y]| format!(", first at ({x}, {y}){}", sample(shaded.sample)));
         println!("picture shaded by the GPU: {} of {} pixels differ{at}: {verdict}", shaded.differ, shaded.covered);
     }
     if report.undecided > 0 {
@@ -32,6 +38,20 @@ pub(super) fn print(report: &Report) {
     }
     if let Some(note) = report.masks.as_ref().and_then(|masks| masks.note.as_deref()) {
         println!("note: {note}");
+    }
+}
+
+/// Names a pixel's sample, where it has several.
+fn sample(sample: Option<usize>) -> String {
+    sample.map_or(String::new(), |sample| format!(" sample {sample}"))
+}
+
+/// Says how `pixel` is shown the samples that hold the worst pixels.
+fn shifts(report: &Report) {
+    let listed = report.pairs.iter().flat_map(|pair| pair.worst.iter().take(LISTED)).filter_map(|pixel| pixel.sample);
+    for sample in listed.collect::<BTreeSet<_>>() {
+        let SampleReport { position, lens_shift: [right, up] } = report.samples[sample];
+        println!("sample {sample}, at {position:?} of its pixel: `pixel … --lens-shift {right} {up}` explains one");
     }
 }
 
@@ -98,7 +118,8 @@ pub(super) fn pairs(pairs: &[PairReport]) {
             println!("  {count} pixels: {}", cause.label());
         }
         for pixel in pair.worst.iter().take(LISTED) {
-            println!("    ({}, {}) {}: {}", pixel.x, pixel.y, pixel.cause.label(), pixel.detail);
+            let (of, cause) = (sample(pixel.sample), pixel.cause.label());
+            println!("    ({}, {}){of} {cause}: {}", pixel.x, pixel.y, pixel.detail);
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::stage::Plan;
 use anyhow::{Context, Result, bail};
 use glam::DVec3;
+use pipeline::mask::{MaskOptions, Trimming};
 use pipeline::{Scheme, Technique};
 use scene::{Camera, Model, Projection, Viewport};
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,8 @@ pub struct Scene {
     pub unbounded_share: f64,
     /// Why technique `exact` does not draw it, where it cannot.
     pub beyond_exact: Option<&'static str>,
+    /// Whether its faces are trimmed by masks, and not by curves.
+    pub masked: bool,
     /// The least suite that runs it.
     pub least: Suite,
 }
@@ -77,15 +80,20 @@ const fn scene(
     least: Suite,
     stresses: &'static str,
 ) -> Scene {
-    Scene { name, stresses, model, viewpoints, unbounded_share: 0.0, beyond_exact: None, least }
+    Scene { name, stresses, model, viewpoints, unbounded_share: 0.0, beyond_exact: None, masked: false, least }
 }
 
-/// A scene of which a share of the covered pixels may have no bound.
 /// The same, not drawn by technique `exact` for a stated reason.
 const fn beyond_exact(reason: &'static str, scene: Scene) -> Scene {
     Scene { beyond_exact: Some(reason), ..scene }
 }
 
+/// The same, trimmed by masks.
+const fn masked(scene: Scene) -> Scene {
+    Scene { masked: true, ..scene }
+}
+
+/// A scene of which a share of the covered pixels may have no bound.
 const fn allowing(unbounded_share: f64, scene: Scene) -> Scene {
     Scene { unbounded_share, ..scene }
 }
@@ -144,6 +152,18 @@ pub const SCENES: &[Scene] = &[
         scene("patches-teaspoon", "teaspoon", ALL_ROUND, Standard, "thin: front and back are near each other"),
     ),
     scene("patches-266", "spray", ALL_ROUND, Full, "266 surfaces in front of each other"),
+    scene("trim-many-holes", "plate", ALL_ROUND, Standard, "100 round holes, a pixel wide or so, in a bent plate"),
+    scene("trim-across-seam", "window", HOLLOW, Smoke, "holes across a cylinder's seam, edges beyond the domain"),
+    allowing(0.02, scene("trim-over-pole", "cap", ALL_ROUND, Standard, "edges round one pole and into the other")),
+    scene("trim-nested-islands", "islands", FROM_ABOVE, Smoke, "an island in a hole, and a hole in the island"),
+    scene("trim-cusp", "cusp", FROM_ABOVE, Standard, "edges that turn back on themselves in a cusp"),
+    scene("trim-sliver", "sliver", FROM_ABOVE, Standard, "material 1e-4 of the domain wide, far below a pixel"),
+    scene("trim-text", "text", FROM_ABOVE, Standard, "letters cut out: hundreds of quadratic pieces"),
+    scene("trim-many-pieces", "pieces", ALL_ROUND, Full, "16 faces of 50 trims each"),
+    scene("trim-shared-edge", "seam-pair", ALL_ROUND, Standard, "two trimmed faces with an edge in common"),
+    masked(scene("masks-across-seam", "window", HOLLOW, Standard, "the same as trim-across-seam, by masks")),
+    masked(scene("masks-nested-islands", "islands", FROM_ABOVE, Smoke, "the same as trim-nested-islands, by masks")),
+    masked(scene("masks-sliver", "sliver", FROM_ABOVE, Full, "a waist narrower than any texel")),
 ];
 
 /// One picture that is drawn and compared, by name; what a scene of the corpus comes to in a suite.
@@ -239,11 +259,15 @@ impl Suite {
 
     /// How it draws each view of a scene.
     pub fn plans(self, scene: &Scene) -> Vec<Plan> {
+        let trimmed = formats::TRIMMED.iter().any(|(name, _)| *name == scene.model);
         let schemes: &[Scheme] = match self {
             Self::Smoke => &[Scheme::Specialised],
+            // Trims are looked up by the same text in both.
+            Self::Standard if trimmed => &[Scheme::Specialised],
             Self::Standard | Self::Full => &[Scheme::Specialised, Scheme::General],
         };
-        let plan = |technique| schemes.iter().map(move |&scheme| Plan { technique, scheme, ..Plan::default() });
+        let trim = if scene.masked { Trimming::Texture(MaskOptions::default()) } else { Trimming::Exact };
+        let plan = |technique| schemes.iter().map(move |&scheme| Plan { technique, scheme, trim, ..Plan::default() });
         let drawn = |technique: &Technique| *technique != Technique::Exact || scene.beyond_exact.is_none();
         Technique::ALL.into_iter().filter(drawn).flat_map(plan).collect()
     }
@@ -316,10 +340,11 @@ pub fn command_options(camera: &Camera, viewport: Viewport, plan: Plan) -> Strin
         Projection::Orthographic { height } => format!("--ortho {height}"),
     };
     format!(
-        "--eye {eye} --target {target} --up {up} {projection} --size {}x{} --technique {} --scheme {}",
+        "--eye {eye} --target {target} --up {up} {projection} --size {}x{} --technique {} --scheme {} --trim {}",
         viewport.width(),
         viewport.height(),
         plan.technique.name(),
-        scheme_name(plan.scheme)
+        scheme_name(plan.scheme),
+        plan.trim.name()
     )
 }

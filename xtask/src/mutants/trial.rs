@@ -52,7 +52,7 @@ impl<'s> Trial<'s> {
     pub fn new(device: &gpu::Device, shown: &'s Shown) -> Result<Self> {
         let mut stage = Stage::new(&shown.model, shown.camera, shown.viewport, shown.plan)?;
         if let (Some(cells), Technique::Fragment) = (shown.cells, shown.plan.technique) {
-            stage.proxy = Proxy::uniform(&shown.model, &stage.scene, cells)?;
+            stage.proxy = Proxy::uniform(&shown.model, &stage.scene, cells)?.into();
         }
         let caster = Caster::new(&shown.model);
         let reference = if shown.vertex_normals {

@@ -33,6 +33,25 @@ fn degrees_1_to_9_are_there_in_both_directions() {
 }
 
 #[test]
+fn every_trimmed_model_is_a_scene_and_masks_are_asked_for_where_they_are_named() {
+    for (name, _) in formats::TRIMMED {
+        assert!(SCENES.iter().any(|scene| scene.model == *name && !scene.masked), "{name}");
+    }
+    let viewport = Viewport::new(32, 32).expect("a legal size");
+    for scene in SCENES {
+        let model = formats::builtin(scene.model).expect("built in");
+        let camera = scene.viewpoints[0].camera(&model, viewport);
+        let wanted = if scene.name.starts_with("masks-") { "texture" } else { "exact" };
+        for suite in [Suite::Smoke, Suite::Standard, Suite::Full] {
+            for plan in suite.plans(scene) {
+                assert_eq!(plan.trim.name(), wanted, "{}", scene.name);
+                assert!(command_options(&camera, viewport, plan).ends_with(&format!("--trim {wanted}")));
+            }
+        }
+    }
+}
+
+#[test]
 fn shards_take_every_scene_exactly_once() {
     for count in [1, 2, 3, 7] {
         for place in 0..40 {

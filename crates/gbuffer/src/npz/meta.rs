@@ -3,7 +3,7 @@
 use super::element::bytes;
 use super::read::{Source, at_end};
 use crate::npy::Header;
-use crate::{GBuffer, GBufferError, Meta};
+use crate::{GBuffer, GBufferError, Meta, Trims};
 use scene::Viewport;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -17,6 +17,9 @@ const MAX_META: u64 = 1 << 20;
 pub(super) struct MetaText {
     renderer: String,
     technique: String,
+    /// Left out where they are exact, as in files of before.
+    #[serde(default, skip_serializing_if = "is_exact")]
+    trims: Trims,
     model: String,
     model_hash: String,
     camera: Value,
@@ -28,16 +31,21 @@ pub(super) struct MetaText {
     version: String,
 }
 
+fn is_exact(trims: &Trims) -> bool {
+    *trims == Trims::Exact
+}
+
 impl MetaText {
     pub fn new(buffer: &GBuffer) -> Self {
-        let Meta { renderer, technique, model, model_hash, camera, adapter, driver, version } = buffer.meta().clone();
+        let Meta { renderer, technique, trims, model, model_hash, camera, adapter, driver, version } =
+            buffer.meta().clone();
         let size = [buffer.viewport().width(), buffer.viewport().height()];
-        Self { renderer, technique, model, model_hash, camera, size, adapter, driver, version }
+        Self { renderer, technique, trims, model, model_hash, camera, size, adapter, driver, version }
     }
 
     fn into_meta(self) -> Meta {
-        let Self { renderer, technique, model, model_hash, camera, size: _, adapter, driver, version } = self;
-        Meta { renderer, technique, model, model_hash, camera, adapter, driver, version }
+        let Self { renderer, technique, trims, model, model_hash, camera, size: _, adapter, driver, version } = self;
+        Meta { renderer, technique, trims, model, model_hash, camera, adapter, driver, version }
     }
 }
 

@@ -35,6 +35,7 @@ fn buffer(pixel: impl Fn(DVec2) -> Option<Hit>) -> GBuffer {
     let meta = Meta {
         renderer: "test".to_owned(),
         technique: "rays".to_owned(),
+        trims: crate::Trims::Exact,
         model: String::new(),
         model_hash: String::new(),
         camera: Value::Null,
