@@ -227,6 +227,19 @@ impl<'m> Judge<'m> {
         self.picture(surface.point(end.x, end.y)).map_or(f64::INFINITY, |p| p.distance(at))
     }
 
+    /// Whether the surface that a hit shows is seen at another position, too, whether it has material there or not.
+    pub(crate) fn goes_on_at(&self, hit: &Hit, at: DVec2) -> bool {
+        let [[u0, u1], [v0, v1]] = self.model.surface(hit.face).domain();
+        let is_inside = |uv: DVec2| (u0..=u1).contains(&uv.x) && (v0..=v1).contains(&uv.y);
+        self.seen_at(hit, at).is_some_and(is_inside)
+    }
+
+    /// Positive where u turns counterclockwise into v as the picture shows them.
+    fn turn(&self, s: DVec3, derivatives: [DVec3; 2]) -> f64 {
+        let [a, b] = derivatives.map(|along| self.camera.picture_derivative(self.viewport, s, along));
+        b.perp_dot(a)
+    }
+
     /// What parameters gain on a tangent plane by an offset in the picture, pixels.
     fn parameters_of(&self, s: DVec3, derivatives: [DVec3; 2], offset: DVec2) -> DVec2 {
         let [a, b] = derivatives.map(|along| self.camera.picture_derivative(self.viewport, s, along));
@@ -267,7 +280,10 @@ impl<'m> Judge<'m> {
             let offset = at - self.picture(s).filter(|_| s.distance(from) <= farthest)?;
             if offset.length() <= FOUND_PX {
                 let way = (d.su * (uv.x - border.x)).abs() + (d.sv * (uv.y - border.y)).abs();
-                return Some(uv).filter(|_| way.max_element() <= farthest);
+                // Beyond a fold the other side of the surface is seen.
+                let own = surface.first_derivatives(hit.uv.x, hit.uv.y);
+                let is_same_side = self.turn(d.s, [d.su, d.sv]) * self.turn(own.s, [own.su, own.sv]) > 0.0;
+                return Some(uv).filter(|_| way.max_element() <= farthest && is_same_side);
             }
             uv += self.parameters_of(s, [d.su, d.sv], offset);
             if !uv.is_finite() {

@@ -5,6 +5,8 @@ use crate::judge::{Difference, Judge};
 use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
+use pipeline::sight::NEAR_PX;
+use std::f64::consts::SQRT_2;
 
 /// Directions in which a sampler is asked around a pixel.
 const DIRECTIONS: usize = 16;
@@ -82,7 +84,7 @@ impl Pair<'_, '_> {
         let shares = self.judge.evaluation(candidate)?;
         let s = self.judge.surface_point(candidate);
         let face = candidate.face.0 as usize;
-        let bound_px = self.bound_of(face, s);
+        let bound_px = self.bound_of_shown(candidate, s);
         let at_edge = self.judge.trimming(candidate, center, self.deviation.edge_px)?;
         let shares = Shares { ambiguous: at_edge || shares.ambiguous, ..shares };
         // Along the ray: the chord on either side, what rounding of S itself was, and that of the depths compared.
@@ -122,7 +124,8 @@ impl Pair<'_, '_> {
             return Err(Difference::new(cause, across_px / bound_px, detail));
         }
         // Visibility.
-        let Some(occluder) = reference.filter(|r| r.t < candidate.t - slack) else { return Ok(agreement) };
+        let hides = |r: &&Hit| r.t < candidate.t - slack - 2.0 * self.deviation.model_units(r.face.0 as usize);
+        let Some(occluder) = reference.filter(hides) else { return Ok(agreement) };
         let behind = |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack);
         let own = picture.filter(|_| self.exact).is_some_and(|p| behind(self.sampler.first(p.x, p.y)));
         let bound = bound_px.max(self.bound_at(occluder));
@@ -171,6 +174,21 @@ impl Pair<'_, '_> {
 
     fn bound_at(&self, hit: &Hit) -> f64 {
         self.bound_of(hit.face.0 as usize, hit.position)
+    }
+
+    /// The allowance for what a candidate shows at its own parameters, S being there. A bounded face's triangles go on
+    /// beyond the domain's border as a skirt, and the face covers a little more than it is: what they show is the border's
+    /// point, as far from there as the border bulges.
+    fn bound_of_shown(&self, candidate: &Hit, s: DVec3) -> f64 {
+        let bound_px = self.bound_of(candidate.face.0 as usize, s);
+        let [[u0, u1], [v0, v1]] = self.judge.model.surface(candidate.face).domain();
+        let DVec2 { x: u, y: v } = candidate.uv;
+        let is_bounded = self.judge.model.region(candidate.face).is_some();
+        if is_bounded && self.candidate.meta().technique != EXACT && (u == u0 || u == u1 || v == v0 || v == v1) {
+            2.0 * bound_px + SQRT_2 * f64::from(NEAR_PX)
+        } else {
+            bound_px
+        }
     }
 
     /// The allowance across the ray, in pixels, for a point of a face.
@@ -229,13 +247,13 @@ impl Pair<'_, '_> {
 
     /// Whether the reference sees, at a position within the bound, past the point of `hit`: something that `is_past` it.
     ///
-    /// Where loops bound the face, and it is another one that is seen there, its surface must end in a fold before that
-    /// position: a trim edge is no silhouette.
+    /// Where loops bound the face, and it is another one that is seen there, its surface must end before that position, in a
+    /// fold or at the domain's border, which seen edge-on a chord may fall short of: a trim edge inside is no silhouette.
     fn passes_by(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(Option<Hit>) -> bool) -> bool {
         let is_bounded = self.judge.model.region(hit.face).is_some();
         self.places(center, bound, Some(hit)).any(|p| {
             let q = self.sampler.first(p.x, p.y);
-            let is_cut = || is_bounded && q.is_none_or(|q| q.face != hit.face) && self.judge.seen_at(hit, p).is_some();
+            let is_cut = || is_bounded && q.is_none_or(|q| q.face != hit.face) && self.judge.goes_on_at(hit, p);
             is_past(q) && !is_cut()
         })
     }
