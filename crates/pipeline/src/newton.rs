@@ -1,6 +1,6 @@
 //! Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of `shaders/newton.wgsl`.
 //!
-//! The ray of a pixel is two planes ([`Sight`](crate::Sight)): S(u, v) is on it where its offset from the pixel, in pixels, vanishes
+//! The ray of a pixel is two planes ([`Sight`]): S(u, v) is on it where its offset from the pixel, in pixels, vanishes
 //! in x and in y. The offset is the projection of S less the pixel's position, so its size means the same whatever the
 //! distance, the focal length and the scale of the face.
 //!
