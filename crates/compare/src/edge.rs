@@ -1,7 +1,7 @@
 //! Whether a hit's trim edge is where the picture has it: in f64, by the region's monotone pieces and the camera itself.
 
-use crate::Cause;
 use crate::judge::{Difference, Judge};
+use crate::{Cause, trim};
 use gbuffer::{EDGE_REACH_PX, Hit};
 use glam::{DMat2, DVec2};
 use nurbs::{BezierCurve, Surface};
@@ -18,9 +18,6 @@ const HALVINGS: u32 = 40;
 
 /// Places on such a part at which a distance is taken before the least are looked at closely.
 const SAMPLES: usize = 48;
-
-/// Thirds of the way between such places that are cut off, one after the other.
-const SECTIONS: u32 = 40;
 
 /// What choosing among the first eight chords of a piece may cost that bends within a pixel, pixels.
 ///
@@ -230,33 +227,9 @@ impl Part<'_> {
         (0..=SAMPLES).map(move |i| start + (end - start) * i as f64 / SAMPLES as f64)
     }
 
-    /// The least of a function about each sample that is less than its neighbours, by ternary search.
+    /// The least of a function of (u, v) along the part, and where it is.
     fn least(&self, of: &impl Fn(DVec2) -> f64) -> (f64, DVec2) {
-        let at = |t: f64| of(self.curve.point(t));
-        let places: Vec<f64> = self.places().collect();
-        let values: Vec<f64> = places.iter().map(|&t| at(t)).collect();
-        let mut least = (values[0], places[0]);
-        for i in 0..=SAMPLES {
-            let [before, after] = [i.saturating_sub(1), (i + 1).min(SAMPLES)];
-            if values[i] < least.0 {
-                least = (values[i], places[i]);
-            }
-            if values[before] < values[i] || values[after] < values[i] {
-                continue;
-            }
-            let [mut low, mut high] = [places[before], places[after]];
-            for _ in 0..SECTIONS {
-                let third = (high - low) / 3.0;
-                let [a, b] = [low + third, high - third];
-                let [at_a, at_b] = [at(a), at(b)];
-                for (value, t) in [(at_a, a), (at_b, b)] {
-                    if value < least.0 {
-                        least = (value, t);
-                    }
-                }
-                if at_a < at_b { high = b } else { low = a }
-            }
-        }
-        (least.0, self.curve.point(least.1))
+        let (value, t) = trim::least(|t| of(self.curve.point(t)), self.ends, SAMPLES);
+        (value, self.curve.point(t))
     }
 }

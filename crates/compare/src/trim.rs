@@ -40,7 +40,7 @@ pub(crate) fn place(region: &Region, uv: DVec2, band: DVec2) -> Place {
     if winding != 0 { Place::Material } else { Place::Cut }
 }
 
-/// Places on a piece at which its distance is taken before the nearest are looked at closely.
+/// Places on a piece at which its distance is taken before the least are looked at closely.
 const SAMPLES: usize = 32;
 
 /// Thirds of the way between such places that are cut off, one after the other.
@@ -48,30 +48,37 @@ const SECTIONS: u32 = 40;
 
 /// Whether an edge of the region comes within `radius` of what `distance` measures from.
 pub(crate) fn edge_passes(region: &Region, distance: impl Fn(DVec2) -> f64, radius: f64) -> bool {
-    region.pieces().iter().any(|piece| {
-        let at = |t: f64| distance(piece.curve.point(t));
-        let places: Vec<f64> = (0..=SAMPLES).map(|i| at(i as f64 / SAMPLES as f64)).collect();
-        // About each place that is nearer than its neighbours, by ternary search.
-        (0..=SAMPLES).any(|i| {
-            let [before, after] = [i.saturating_sub(1), (i + 1).min(SAMPLES)];
-            if places[i] > places[before] || places[i] > places[after] {
-                return false;
-            }
-            let [mut low, mut high] = [before, after].map(|i| i as f64 / SAMPLES as f64);
-            let mut nearest = places[i];
-            for _ in 0..SECTIONS {
-                if nearest <= radius {
-                    return true;
+    region.pieces().iter().any(|piece| least(|t| distance(piece.curve.point(t)), [0.0, 1.0], SAMPLES).0 <= radius)
+}
+
+/// The least that is found of a function between two ends, and where: of `samples` steps, and about each place that has
+/// less than its neighbours by ternary search.
+pub(crate) fn least(of: impl Fn(f64) -> f64, [start, end]: [f64; 2], samples: usize) -> (f64, f64) {
+    let place = |i: usize| start + (end - start) * i as f64 / samples as f64;
+    let values: Vec<f64> = (0..=samples).map(|i| of(place(i))).collect();
+    let mut least = (values[0], start);
+    for i in 0..=samples {
+        let [before, after] = [i.saturating_sub(1), (i + 1).min(samples)];
+        if values[i] < least.0 {
+            least = (values[i], place(i));
+        }
+        if values[before] < values[i] || values[after] < values[i] {
+            continue;
+        }
+        let [mut low, mut high] = [place(before), place(after)];
+        for _ in 0..SECTIONS {
+            let third = (high - low) / 3.0;
+            let [a, b] = [low + third, high - third];
+            let [at_a, at_b] = [of(a), of(b)];
+            for (value, t) in [(at_a, a), (at_b, b)] {
+                if value < least.0 {
+                    least = (value, t);
                 }
-                let third = (high - low) / 3.0;
-                let [a, b] = [low + third, high - third];
-                let [at_a, at_b] = [at(a), at(b)];
-                nearest = nearest.min(at_a).min(at_b);
-                if at_a < at_b { high = b } else { low = a }
             }
-            nearest <= radius
-        })
-    })
+            if at_a < at_b { high = b } else { low = a }
+        }
+    }
+    least
 }
 
 /// Whether a monotone piece whose box meets the rectangle passes through it: by what it spans in u while it is as high.

@@ -24,11 +24,10 @@ mod pack;
 pub(crate) use pack::Leaf;
 
 use crate::PackedScene;
-use crate::eval::{self, Basis, Derivatives};
+use crate::fragment::{TangentPlane, tangent_plane};
 use crate::layout::{FaceRecord, View};
 use crate::sight::NEAR_PX;
 use crate::trim::{self, point};
-use nurbs::MAX_ORDER;
 
 /// How far from a pixel's centre an edge is looked for, pixels, in any direction.
 ///
@@ -114,7 +113,7 @@ pub fn edge(scene: &PackedScene, view: &View, face: u32, uv: [f32; 2], at: [f32;
     if !scene.edges || f.intervals == 0 {
         return None;
     }
-    let (mut here, mut place) = (seen(scene, view, f, uv, at)?, uv);
+    let (mut here, mut place) = (seen(scene, view, face, uv, at)?, uv);
     let first = map(&here, place)?;
     let mut by = first;
     let mut best = None;
@@ -126,7 +125,7 @@ pub fn edge(scene: &PackedScene, view: &View, face: u32, uv: [f32; 2], at: [f32;
             break;
         }
         place = foot.uv;
-        let Some(there) = seen(scene, view, f, place, at) else { break };
+        let Some(there) = seen(scene, view, face, place, at) else { break };
         here = there;
         let [x, y] = here.offset;
         if x * x + y * y <= squared {
@@ -151,11 +150,10 @@ impl Map {
 }
 
 /// S at local parameters as the picture shows it about `at`; `None` behind the eye.
-fn seen(scene: &PackedScene, view: &View, f: &FaceRecord, uv: [f32; 2], at: [f32; 2]) -> Option<Seen> {
-    let d = derivatives(scene, f, uv);
+fn seen(scene: &PackedScene, view: &View, face: u32, uv: [f32; 2], at: [f32; 2]) -> Option<Seen> {
+    let TangentPlane { s, su, sv, .. } = tangent_plane(scene, face, uv);
     let m = &view.clip_from_local;
     let direction = |x: [f32; 3], k: usize| m[0][k] * x[0] + m[1][k] * x[1] + m[2][k] * x[2];
-    let s = d.s.map(|x| x.0[0]);
     let w = direction(s, 3) + m[3][3];
     if w <= 0.0 {
         return None;
@@ -168,33 +166,9 @@ fn seen(scene: &PackedScene, view: &View, f: &FaceRecord, uv: [f32; 2], at: [f32
     };
     Some(Seen {
         offset: [half[0] * x + (half[0] - at[0]), half[1] - at[1] - half[1] * y],
-        along_u: along(d.su.map(|x| x.0[0])),
-        along_v: along(d.sv.map(|x| x.0[0])),
+        along_u: along(su),
+        along_v: along(sv),
     })
-}
-
-fn derivatives(scene: &PackedScene, f: &FaceRecord, uv: [f32; 2]) -> Derivatives<1> {
-    match [f.degree_u, f.degree_v] {
-        [3, 3] => derivatives_of::<4>(scene, f, [3, 3], uv),
-        [5, 5] => derivatives_of::<6>(scene, f, [5, 5], uv),
-        [p, q] => derivatives_of::<MAX_ORDER>(scene, f, [p as usize, q as usize], uv),
-    }
-}
-
-#[inline(always)]
-fn derivatives_of<const CAPACITY: usize>(
-    scene: &PackedScene,
-    f: &FaceRecord,
-    degree: [usize; 2],
-    uv: [f32; 2],
-) -> Derivatives<1> {
-    let [ku, kv] = scene.knots(f);
-    let [u, v] = uv.map(|t| t.clamp(0.0, 1.0));
-    let span_u = eval::find_span(ku, degree[0], f.count_u as usize, f.last_u as usize, u);
-    let span_v = eval::find_span(kv, degree[1], f.count_v as usize, f.last_v as usize, v);
-    let nu: Basis<CAPACITY, 1> = eval::basis(ku, degree[0], span_u, crate::Lanes([u]), false);
-    let nv: Basis<CAPACITY, 1> = eval::basis(kv, degree[1], span_v, crate::Lanes([v]), false);
-    eval::surface(f, degree, &scene.points, span_u, span_v, &nu, &nv, false)
 }
 
 /// The linear map about the pixel's centre by what is seen at `uv`; `None` where that is seen edge-on.

@@ -68,9 +68,18 @@ pub fn tangent_planes(scene: &PackedScene, face: u32, uv: &[[f32; 2]], out: &mut
 
 /// One tangent plane.
 pub fn tangent_plane(scene: &PackedScene, face: u32, uv: [f32; 2]) -> TangentPlane {
-    let mut out = Vec::with_capacity(1);
-    tangent_planes(scene, face, &[uv], &mut out);
-    out[0]
+    let f = &scene.faces[face as usize];
+    let uv = clamp(uv);
+    specialised::<1>(scene, f, spans(scene, f, uv), [uv], false).lane(0).tangent_plane(uv)
+}
+
+/// The knot spans of parameters inside the domain.
+fn spans(scene: &PackedScene, f: &FaceRecord, [u, v]: [f32; 2]) -> [usize; 2] {
+    let [ku, kv] = scene.knots(f);
+    [
+        eval::find_span(ku, f.degree_u as usize, f.count_u as usize, f.last_u as usize, u),
+        eval::find_span(kv, f.degree_v as usize, f.count_v as usize, f.last_v as usize, v),
+    ]
 }
 
 /// Evaluates a face at all `uv` and appends what `finish` makes of each.
@@ -83,16 +92,12 @@ fn row<T>(
     finish: impl Fn(Lane, [f32; 2], [usize; 2]) -> T,
 ) {
     let [ku, kv] = scene.knots(f);
-    let [degree, count, last] =
-        [[f.degree_u, f.degree_v], [f.count_u, f.count_v], [f.last_u, f.last_v]].map(|pair| pair.map(|x| x as usize));
+    let [count, last] = [[f.count_u, f.count_v], [f.last_u, f.last_v]].map(|pair| pair.map(|x| x as usize));
     out.reserve(uv.len());
     let mut rest = uv;
     while let Some(&first) = rest.first() {
         let first = clamp(first);
-        let span = [
-            eval::find_span(ku, degree[0], count[0], last[0], first[0]),
-            eval::find_span(kv, degree[1], count[1], last[1], first[1]),
-        ];
+        let span = spans(scene, f, first);
         let is_alike = |uv: [f32; 2]| {
             let [u, v] = clamp(uv);
             eval::is_on_span(ku, count[0], last[0], span[0], u) && eval::is_on_span(kv, count[1], last[1], span[1], v)
