@@ -4,6 +4,7 @@ mod arrows;
 mod attribution;
 mod editing;
 mod evaluation;
+mod field;
 mod folds;
 mod foreign;
 mod golden;

@@ -1,0 +1,13 @@
+//! Inputs from public bug reports (`testdata/field`, each with what is right beside it) and hostile ones (`testdata/hostile`).
+
+mod models;
+mod rays;
+mod verdicts;
+
+use std::path::PathBuf;
+
+/// Where a file of `testdata/field` lies.
+#[allow(dead_code)] // until its modules are filled
+fn field(name: &str) -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../testdata/field")).join(format!("{name}.json"))
+}

@@ -1,0 +1,1 @@
+//! Rays, boxes and numbers of the field: the f64 side.

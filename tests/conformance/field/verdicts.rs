@@ -1,0 +1,1 @@
+//! Verdicts of the field: nothing wrong agrees, nothing right differs.
