@@ -90,6 +90,9 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) {
     row("u", &|hit| hit.uv.x.to_string());
     row("v", &|hit| hit.uv.y.to_string());
     row("knot span", &|hit| format!("{:?}", spans(stage, hit)));
+    row("place on the spans", &|hit| {
+        hit.local.map_or("—".to_owned(), |local| format!("{:?}\n{}\n{}", local.span, local.uv.x, local.uv.y))
+    });
     row("S", &|hit| text(hit.position));
     row("S_u, f64 at this (u, v)", &|hit| text(derivatives(hit).su));
     row("S_v, f64 at this (u, v)", &|hit| text(derivatives(hit).sv));
@@ -113,8 +116,10 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) {
         intervals(&enclosures(hit), |e| e.curvature.map(|k| k.map(|k| k.scaled(1.0 / scale))))
     });
     row("decisions", &|hit| {
-        let each =
-            enclosures(hit).iter().map(|e| format!("packed span {:?}: {:?}", e.span, e.regularity)).collect::<Vec<_>>();
+        let each = enclosures(hit)
+            .iter()
+            .map(|e| format!("spans {:?}: {:?}", e.on.map(|on| on.span), e.regularity))
+            .collect::<Vec<_>>();
         each.join("\n")
     });
     row("t", &|hit| hit.t.to_string());
@@ -126,7 +131,8 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) {
     });
     row("chord bound, px", &|hit| {
         let depth = stage.camera.depth(hit.position).max(f64::MIN_POSITIVE);
-        format!("{:.6}", stage.proxy.chord[hit.face.0 as usize] * stage.camera.pixels_per_unit(stage.viewport, depth))
+        let chord = stage.proxy.chord[hit.face.0 as usize].iter().fold(0.0, |most: f64, chord| most.max(*chord));
+        format!("{:.6}", chord * stage.camera.pixels_per_unit(stage.viewport, depth))
     });
     println!("{table}");
 }

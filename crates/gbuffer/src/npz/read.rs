@@ -4,7 +4,7 @@ use super::element::{Decoder, Element};
 use super::{CHUNK_ELEMENTS, shape};
 use crate::buffer::{NO_HIT, Parts};
 use crate::npy::Header;
-use crate::{GBuffer, GBufferError, Hit, PrincipalCurvatures};
+use crate::{GBuffer, GBufferError, Hit, LocalParameters, PrincipalCurvatures};
 use glam::{DVec2, DVec3};
 use nurbs::{Normal, NormalStatus};
 use scene::{Camera, FaceId, Viewport};
@@ -22,8 +22,8 @@ const DEFLATE_RATIO: u64 = 1032;
 const SHOWN_NAME: usize = 64;
 
 /// All arrays that a file may have.
-const ARRAYS: [&str; 13] =
-    ["hit", "face", "u", "v", "t", "pos", "normal", "status", "k1", "k2", "edge", "undecided", "meta"];
+const ARRAYS: [&str; 15] =
+    ["hit", "face", "u", "v", "span", "local", "t", "pos", "normal", "status", "k1", "k2", "edge", "undecided", "meta"];
 
 /// Reads a buffer; `path` names it in messages.
 pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuffer, GBufferError> {
@@ -48,6 +48,9 @@ pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuf
     let (index, mut hits) = source.index(&present, viewport)?;
     let fill = &mut Fill { index: &index, hits: &mut hits };
     source.points(viewport, fill)?;
+    if present.local {
+        source.local(viewport, fill)?;
+    }
     match rays {
         None => source.fill("t", viewport, fill, |hit, t| number(t).map(|t| hit.t = t))?,
         Some(camera) => measure(&camera, viewport, fill),
@@ -73,6 +76,8 @@ pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuf
 struct Present {
     hit: bool,
     t: bool,
+    /// Either of `span` and `local`; then both must be there.
+    local: bool,
     status: bool,
     /// Either of `k1` and `k2`; then both must be there.
     curvature: bool,
@@ -86,6 +91,7 @@ impl Present {
         Self {
             hit: has("hit"),
             t: has("t"),
+            local: has("span") || has("local"),
             status: has("status"),
             curvature: has("k1") || has("k2"),
             edge: has("edge"),
@@ -108,6 +114,7 @@ fn measure(camera: &Camera, viewport: Viewport, fill: &mut Fill) {
 const BLANK: Hit = Hit {
     face: FaceId(0),
     uv: DVec2::NAN,
+    local: None,
     t: f64::NAN,
     position: DVec3::NAN,
     normal: Normal::Undefined,
@@ -194,6 +201,10 @@ impl<R: Read + Seek> Source<'_, R> {
         for array in ["pos", "normal"] {
             self.array::<f64, 3>(array, viewport)?;
         }
+        if present.local {
+            self.array::<i64, 2>("span", viewport)?;
+            self.array::<f64, 2>("local", viewport)?;
+        }
         if present.edge {
             self.array::<f64, 2>("edge", viewport)?;
         }
@@ -272,6 +283,23 @@ impl<R: Read + Seek> Source<'_, R> {
                 None if k[0].is_nan() => {}
                 None => return Err(Wrong { value: k[0], expected: "NaN as k1 is" }),
             }
+            Ok(())
+        })
+    }
+
+    fn local(&mut self, viewport: Viewport, fill: &mut Fill) -> Result<(), GBufferError> {
+        let span = |k: i64| u32::try_from(k).map_err(|_| Wrong { value: k as f64, expected: "the number of a span" });
+        let share = |t: f64| match t {
+            0.0..=1.0 => Ok(t),
+            _ => Err(Wrong { value: t, expected: "a number from 0 to 1" }),
+        };
+        self.fill("span", viewport, fill, |hit, [u, v]: [i64; 2]| {
+            hit.local = Some(LocalParameters { span: [span(u)?, span(v)?], uv: DVec2::NAN });
+            Ok(())
+        })?;
+        self.fill("local", viewport, fill, |hit, [u, v]: [f64; 2]| {
+            let uv = DVec2::new(share(u)?, share(v)?);
+            hit.local = hit.local.map(|local| LocalParameters { uv, ..local });
             Ok(())
         })
     }
