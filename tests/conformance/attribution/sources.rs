@@ -123,8 +123,8 @@ const FAULTS: &[Fault] = &[
         cause: Cause::Interpolation,
     },
     Fault {
-        name: "parameters interpolated to eight bits",
-        replace: &[("Parameters(in.span, in.uv);", "Parameters(in.span, floor(in.uv * 64.0) / 64.0);")],
+        name: "parameters interpolated to three bits",
+        replace: &[("Parameters(in.span, in.uv);", "Parameters(in.span, floor(in.uv * 8.0) / 8.0);")],
         scenes: SURFACES,
         cause: Cause::Interpolation,
     },
