@@ -1,10 +1,10 @@
 //! Tensor-product NURBS surfaces: construction, evaluation, refinement.
 
-use crate::basis::{Basis, basis, binomial};
+use crate::basis::{Basis, basis, basis_derivatives_local, basis_local, binomial};
 use crate::blossom::{bezier_points, reexpress};
 use crate::bounds::Hull;
 use crate::{BezierPatch, KnotVector, MAX_ORDER, NurbsError, basis_derivatives};
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 
 /// The largest coordinate that is accepted, in model units: squares and products of four stay finite.
 const GREATEST_COORDINATE: f64 = 1e60;
@@ -190,10 +190,27 @@ impl Surface {
     #[inline]
     pub fn first_derivatives_on(&self, span_u: usize, span_v: usize, u: f64, v: f64) -> FirstDerivatives {
         match self.degree() {
-            [3, 3] => self.first_order::<4>(3, 3, span_u, span_v, u, v),
-            [2, 2] => self.first_order::<3>(2, 2, span_u, span_v, u, v),
-            [p, q] => self.first_order::<MAX_ORDER>(p, q, span_u, span_v, u, v),
+            [3, 3] => self.first_at::<4>(3, 3, [span_u, span_v], [u, v]),
+            [2, 2] => self.first_at::<3>(2, 2, [span_u, span_v], [u, v]),
+            [p, q] => self.first_at::<MAX_ORDER>(p, q, [span_u, span_v], [u, v]),
         }
+    }
+
+    /// S at `t` in 0 to 1 of a nonempty span in each direction, as [`Self::first_derivatives_local`].
+    pub fn point_local(&self, span: [usize; 2], t: DVec2) -> DVec3 {
+        self.first_derivatives_local(span, t).s
+    }
+
+    /// As [`Self::first_derivatives_on`] at u = U\[k\] + t (U\[k+1\] − U\[k\]), k the span, and v likewise, but u is
+    /// never formed: knots count from U\[k\] in units of the span's length.
+    ///
+    /// So nothing is lost where the domain is far from zero (knots from 1e9 to 1e9 + 1e-3) or a span is short. The
+    /// derivatives are by u and v all the same. Error as [`Self::first_derivatives`], at every `t` exactly.
+    pub fn first_derivatives_local(&self, span: [usize; 2], t: DVec2) -> FirstDerivatives {
+        let [p, q] = self.degree();
+        let nu = basis_local::<MAX_ORDER, false>(&self.knots[0], p, span[0], t.x);
+        let nv = basis_local::<MAX_ORDER, false>(&self.knots[1], q, span[1], t.y);
+        self.first_order(p, q, span, &nu, &nv)
     }
 
     /// S and all derivatives to second order. Conventions and error as [`Self::first_derivatives`].
@@ -205,9 +222,32 @@ impl Surface {
     /// As [`Self::second_derivatives`], with the polynomial of a given nonempty span.
     pub fn second_derivatives_on(&self, span_u: usize, span_v: usize, u: f64, v: f64) -> SecondDerivatives {
         match self.degree() {
-            [3, 3] => self.second_order::<4>(3, 3, span_u, span_v, u, v),
-            [p, q] => self.second_order::<MAX_ORDER>(p, q, span_u, span_v, u, v),
+            [3, 3] => self.second_at::<4>(3, 3, [span_u, span_v], [u, v]),
+            [p, q] => self.second_at::<MAX_ORDER>(p, q, [span_u, span_v], [u, v]),
         }
+    }
+
+    /// S and all derivatives to second order, by u and v, at `t` in 0 to 1 of a nonempty span in each direction, without
+    /// forming u and v: see [`Self::first_derivatives_local`].
+    pub fn second_derivatives_local(&self, span: [usize; 2], t: DVec2) -> SecondDerivatives {
+        let [p, q] = self.degree();
+        let nu = basis_local::<MAX_ORDER, true>(&self.knots[0], p, span[0], t.x);
+        let nv = basis_local::<MAX_ORDER, true>(&self.knots[1], q, span[1], t.y);
+        self.second_order(p, q, span, &nu, &nv)
+    }
+
+    #[inline(always)]
+    fn first_at<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], [u, v]: [f64; 2]) -> FirstDerivatives {
+        let nu = basis::<C, false>(&self.knots[0], p, span[0], u);
+        let nv = basis::<C, false>(&self.knots[1], q, span[1], v);
+        self.first_order(p, q, span, &nu, &nv)
+    }
+
+    #[inline(always)]
+    fn second_at<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], [u, v]: [f64; 2]) -> SecondDerivatives {
+        let nu = basis::<C, true>(&self.knots[0], p, span[0], u);
+        let nv = basis::<C, true>(&self.knots[1], q, span[1], v);
+        self.second_order(p, q, span, &nu, &nv)
     }
 
     #[inline(always)]
@@ -215,13 +255,10 @@ impl Surface {
         &self,
         p: usize,
         q: usize,
-        span_u: usize,
-        span_v: usize,
-        u: f64,
-        v: f64,
+        [span_u, span_v]: [usize; 2],
+        nu: &Basis<C>,
+        nv: &Basis<C>,
     ) -> FirstDerivatives {
-        let nu = basis::<C, false>(&self.knots[0], p, span_u, u);
-        let nv = basis::<C, false>(&self.knots[1], q, span_v, v);
         let [mut a, mut a_u, mut a_v] = [[0.0; 4]; 3];
         let columns = self.knots[1].control_count();
         let first = (span_u - p) * columns + span_v - q;
@@ -257,13 +294,10 @@ impl Surface {
         &self,
         p: usize,
         q: usize,
-        span_u: usize,
-        span_v: usize,
-        u: f64,
-        v: f64,
+        [span_u, span_v]: [usize; 2],
+        nu: &Basis<C>,
+        nv: &Basis<C>,
     ) -> SecondDerivatives {
-        let nu: Basis<C> = basis::<C, true>(&self.knots[0], p, span_u, u);
-        let nv: Basis<C> = basis::<C, true>(&self.knots[1], q, span_v, v);
         let mut sums = [[0.0; 4]; 6];
         for i in 0..=p {
             let mut rows = [[0.0; 4]; 3];
@@ -300,10 +334,21 @@ impl Surface {
     ///
     /// Piegl & Tiller, A3.6 with A2.3, then A4.4. Independent of the second-order evaluators, which it checks.
     pub fn derivatives(&self, u: f64, v: f64, order: usize) -> Vec<Vec<DVec3>> {
-        let [p, q] = self.degree();
         let (span_u, span_v) = (self.knots[0].find_span(u), self.knots[1].find_span(v));
         let nu = basis_derivatives(&self.knots[0], span_u, u, order);
         let nv = basis_derivatives(&self.knots[1], span_v, v, order);
+        self.mixed([span_u, span_v], [&nu, &nv], order)
+    }
+
+    /// As [`Self::derivatives`] at `t` in 0 to 1 of a nonempty span in each direction, and by `t`.
+    pub(crate) fn derivatives_by_local(&self, span: [usize; 2], t: DVec2, order: usize) -> Vec<Vec<DVec3>> {
+        let nu = basis_derivatives_local(&self.knots[0], span[0], t.x, order);
+        let nv = basis_derivatives_local(&self.knots[1], span[1], t.y, order);
+        self.mixed(span, [&nu, &nv], order)
+    }
+
+    fn mixed(&self, [span_u, span_v]: [usize; 2], [nu, nv]: [&[[f64; MAX_ORDER]]; 2], order: usize) -> Vec<Vec<DVec3>> {
+        let [p, q] = self.degree();
         let homogeneous = |k: usize, l: usize| {
             let mut sum = [0.0; 4];
             for (i, &by_u) in nu[k].iter().enumerate().take(p + 1) {
