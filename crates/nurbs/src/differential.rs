@@ -177,7 +177,8 @@ fn limit_along(table: &[Vec<DVec3>], [du, dv]: [f64; 2], [flat_u, flat_v]: [bool
 /// Curvatures from the second fundamental form in the orthonormal frame e1 = S_u / |S_u|, e2 = n × e1.
 ///
 /// There the shape operator is symmetric, so k1 − k2 = 2 √(((a − c) / 2)² + b²) has no cancellation at umbilics,
-/// which the textbook √(H² − K) has.
+/// which the textbook √(H² − K) has. Of the two the one that is smaller in size is K over the other, for in H ∓ the root it
+/// cancels: where one is 1e10 times the other nothing would be left.
 fn curvature(d: &SecondDerivatives, n: DVec3) -> Curvature {
     let length = d.su.length();
     let e1 = d.su / length;
@@ -193,6 +194,10 @@ fn curvature(d: &SecondDerivatives, n: DVec3) -> Curvature {
     let x = 0.5 * (a - c);
     // Not `hypot`: that is the platform's, and this must be the same everywhere.
     let half = (x * x + b * b).sqrt();
-    let (k1, k2) = (mean + half, mean - half);
-    Curvature { gaussian: a * c - b * b, mean, k1, k2 }
+    let gaussian = a * c - b * b;
+    let larger = if mean < 0.0 { mean - half } else { mean + half };
+    let smaller = if larger == 0.0 { 0.0 } else { gaussian / larger };
+    let [k1, k2] = if mean < 0.0 { [smaller, larger] } else { [larger, smaller] };
+    // An umbilic's two may come out in the wrong order by an ulp.
+    Curvature { gaussian, mean, k1: k1.max(k2), k2: k1.min(k2) }
 }
