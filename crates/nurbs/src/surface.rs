@@ -384,33 +384,39 @@ impl Surface {
         &self.local[start..=start + q]
     }
 
-    /// The Bézier patches of all nonempty spans, u outer, v inner (Piegl & Tiller, Sec. 5.3, here by blossoms).
+    /// The Bézier patches of all nonempty spans, u outer, v inner.
     pub fn bezier_patches(&self) -> Vec<BezierPatch> {
+        let [ku, kv] = &self.knots;
+        ku.spans().flat_map(|k| kv.spans().map(move |l| self.bezier_patch([k, l]))).collect()
+    }
+
+    /// The Bézier patch of a nonempty span (Piegl & Tiller, Sec. 5.3, here by blossoms).
+    pub fn bezier_patch(&self, [k, l]: [usize; 2]) -> BezierPatch {
         let [p, q] = self.degree();
         let [ku, kv] = &self.knots;
-        let mut patches = vec![];
-        for k in ku.spans() {
-            for l in kv.spans() {
-                let [u, v] = [[ku.knots()[k], ku.knots()[k + 1]], [kv.knots()[l], kv.knots()[l + 1]]];
-                // First along v in each of the p + 1 rows, then along u.
-                let rows: Vec<Vec<DVec4>> = (0..=p)
-                    .map(|i| {
-                        let row: Vec<DVec4> =
-                            self.row(k - p + i, l - q, q).iter().map(|&c| DVec4::from_array(c)).collect();
-                        bezier_points(kv, l, &row, v)
-                    })
-                    .collect();
-                let mut control = vec![DVec4::ZERO; (p + 1) * (q + 1)];
-                for j in 0..=q {
-                    let column: Vec<DVec4> = rows.iter().map(|row| row[j]).collect();
-                    for (i, point) in bezier_points(ku, k, &column, u).into_iter().enumerate() {
-                        control[i * (q + 1) + j] = point;
-                    }
-                }
-                patches.push(BezierPatch { degree: [p, q], domain: [u, v], origin: self.origin, control });
+        let [u, v] = [[ku.knots()[k], ku.knots()[k + 1]], [kv.knots()[l], kv.knots()[l + 1]]];
+        // First along v in each of the p + 1 rows, then along u.
+        let rows: Vec<Vec<DVec4>> = (0..=p)
+            .map(|i| {
+                let row: Vec<DVec4> = self.row(k - p + i, l - q, q).iter().map(|&c| DVec4::from_array(c)).collect();
+                bezier_points(kv, l, &row, v)
+            })
+            .collect();
+        let mut control = vec![DVec4::ZERO; (p + 1) * (q + 1)];
+        for j in 0..=q {
+            let column: Vec<DVec4> = rows.iter().map(|row| row[j]).collect();
+            for (i, point) in bezier_points(ku, k, &column, u).into_iter().enumerate() {
+                control[i * (q + 1) + j] = point;
             }
         }
-        patches
+        BezierPatch { degree: [p, q], domain: [u, v], origin: self.origin, control }
+    }
+
+    /// The box of the control points of a span, which holds the surface there.
+    pub fn span_hull(&self, [k, l]: [usize; 2]) -> Hull {
+        let [p, q] = self.degree();
+        let columns = self.knots[1].control_count();
+        Hull::of((k - p..=k).flat_map(|i| &self.points[i * columns + l - q..=i * columns + l]).copied())
     }
 
     /// The same surface with `values` inserted as knots (Piegl & Tiller, A5.4 by blossoms).
