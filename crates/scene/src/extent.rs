@@ -33,7 +33,7 @@ const MOST_WORK: usize = 1 << 23;
 pub(crate) struct Extent<'a> {
     parts: Vec<Part<'a>>,
     /// The spans of each surface that a face uses.
-    spans: Vec<Vec<Span>>,
+    grids: Vec<Option<Grid>>,
     /// The box of some points that are seen, or on a border beside it: what sizes are measured by.
     seen: Hull,
 }
@@ -41,18 +41,20 @@ pub(crate) struct Extent<'a> {
 /// A face.
 struct Part<'a> {
     surface: &'a Surface,
-    /// Index into [`Extent::spans`].
-    spans: usize,
+    /// Index into [`Extent::grids`].
+    grid: usize,
+    /// Of the grid's spans in u and in v, the first that the region comes to and the one past the last.
+    range: [[usize; 2]; 2],
     /// The region and its box, where it cuts something away.
     region: Option<(&'a Region, Rectangle)>,
 }
 
-/// A nonempty span of a surface.
-struct Span {
-    index: [usize; 2],
-    domain: Rectangle,
-    /// The box of the span's control points.
-    hull: Hull,
+/// The nonempty spans of a surface.
+struct Grid {
+    /// Their indices, in u and in v.
+    spans: [Vec<usize>; 2],
+    /// The boxes of their control points, row-major in u.
+    hulls: Vec<Hull>,
 }
 
 /// A part of a Bézier piece of a face, not yet known to be beside the point.
@@ -67,29 +69,28 @@ struct Cell {
 
 /// What waits to be looked at: a span of a face, or a cell.
 enum Waiting {
-    Span { bound: f64, part: usize, span: usize },
+    Span { bound: f64, part: usize, span: [usize; 2] },
     Cell(Box<Cell>),
 }
 
 impl<'a> Extent<'a> {
     pub fn new(surfaces: &'a [Surface], faces: &[Face], regions: &'a [Option<Region>]) -> Self {
-        let mut spans: Vec<Vec<Span>> = surfaces.iter().map(|_| vec![]).collect();
+        let mut grids: Vec<Option<Grid>> = surfaces.iter().map(|_| None).collect();
         let mut parts = vec![];
         for (face, region) in faces.iter().zip(regions) {
             let surface = &surfaces[face.surface];
-            if spans[face.surface].is_empty() {
-                spans[face.surface] = spans_of(surface);
-            }
+            let grid = grids[face.surface].get_or_insert_with(|| Grid::new(surface));
             let region = region.as_ref().filter(|region| !region.is_whole()).map(|region| (region, region.hull()));
-            parts.push(Part { surface, spans: face.surface, region });
+            parts.push(Part { surface, grid: face.surface, range: grid.range(surface, region.map(|r| r.1)), region });
         }
         let points = parts.iter().flat_map(|part| {
             let pieces = part.region.into_iter().flat_map(|(region, _)| region.pieces());
-            let corners = spans[part.spans].iter().filter(|_| part.region.is_none()).map(|span| span.domain.min);
+            let corners = part.spans(&grids).filter(|_| part.region.is_none());
+            let corners = corners.map(|(span, _)| start(part.surface, span));
             pieces.map(|piece| piece.curve.start()).chain(corners).map(|uv| part.surface.point(uv.x, uv.y))
         });
         let seen = points.fold(Hull::of([]), |hull, p| Hull { min: hull.min.min(p), max: hull.max.max(p) });
-        Self { parts, spans, seen }
+        Self { parts, grids, seen }
     }
 
     /// A box that holds all that is seen, and is larger than it by at most [`TIGHT`] of it on each side.
@@ -130,13 +131,13 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(mut self) -> f64 {
         for (index, part) in self.extent.parts.iter().enumerate() {
-            for (k, span) in self.extent.spans[part.spans].iter().enumerate() {
-                let bound = bound(&span.hull, self.along);
-                if part.region.is_none_or(|(_, hull)| hull.meets(span.domain)) && self.matters(bound) {
-                    self.heap.push(Waiting::Span { bound, part: index, span: k });
+            for (span, hull) in part.spans(&self.extent.grids) {
+                let bound = bound(hull, self.along);
+                if self.matters(bound) {
+                    self.heap.push(Waiting::Span { bound, part: index, span });
                     if part.region.is_none() {
-                        let corner = part.surface.point(span.domain.min.x, span.domain.min.y);
-                        self.reached = self.reached.max(corner.dot(self.along));
+                        let corner = start(part.surface, span);
+                        self.reached = self.reached.max(part.surface.point(corner.x, corner.y).dot(self.along));
                     }
                 }
             }
@@ -163,10 +164,9 @@ impl Search<'_> {
     }
 
     /// A span becomes the cell of its Bézier piece in the box of the region.
-    fn open(&mut self, part: usize, span: usize, bound: f64) {
-        let Part { surface, spans, region } = self.extent.parts[part];
-        let span = &self.extent.spans[spans][span];
-        let mut patch = surface.bezier_patch(span.index);
+    fn open(&mut self, part: usize, span: [usize; 2], bound: f64) {
+        let Part { surface, region, .. } = self.extent.parts[part];
+        let mut patch = surface.bezier_patch(span);
         self.work += patch.control.len();
         let Some((region, hull)) = region else {
             return self.admit(Cell { bound, part, patch, curves: vec![] }, true);
@@ -283,17 +283,41 @@ impl Ord for Waiting {
     }
 }
 
-fn spans_of(surface: &Surface) -> Vec<Span> {
-    let [ku, kv] = [Direction::U, Direction::V].map(|direction| surface.knots(direction));
-    let mut spans = vec![];
-    for k in ku.spans() {
-        for l in kv.spans() {
-            let [u, v] = [ku.knots(), kv.knots()];
-            let domain = Rectangle { min: DVec2::new(u[k], v[l]), max: DVec2::new(u[k + 1], v[l + 1]) };
-            spans.push(Span { index: [k, l], domain, hull: surface.span_hull([k, l]) });
-        }
+impl Grid {
+    fn new(surface: &Surface) -> Self {
+        let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).spans().collect::<Vec<_>>());
+        let hulls = u.iter().flat_map(|&k| v.iter().map(move |&l| surface.span_hull([k, l]))).collect();
+        Self { spans: [u, v], hulls }
     }
-    spans
+
+    /// The spans in u and in v that a box comes to; without one, all.
+    fn range(&self, surface: &Surface, region: Option<Rectangle>) -> [[usize; 2]; 2] {
+        let axis = |axis: usize| {
+            let spans = &self.spans[axis];
+            let Some(hull) = region else { return [0, spans.len()] };
+            let knots = surface.knots([Direction::U, Direction::V][axis]).knots();
+            let first = spans.partition_point(|&k| knots[k + 1] < hull.min[axis]);
+            [first, first + spans[first..].partition_point(|&k| knots[k] <= hull.max[axis])]
+        };
+        [axis(0), axis(1)]
+    }
+}
+
+impl Part<'_> {
+    /// The spans that the face comes to, with their boxes.
+    fn spans<'g>(&self, grids: &'g [Option<Grid>]) -> impl Iterator<Item = ([usize; 2], &'g Hull)> + use<'g> {
+        let grid = grids[self.grid].as_ref().expect("of a surface that a face uses");
+        let [u, v] = self.range;
+        let columns = grid.spans[1].len();
+        (u[0]..u[1]).flat_map(move |i| {
+            (v[0]..v[1]).map(move |j| ([grid.spans[0][i], grid.spans[1][j]], &grid.hulls[i * columns + j]))
+        })
+    }
+}
+
+/// The least parameters of a span.
+fn start(surface: &Surface, [k, l]: [usize; 2]) -> DVec2 {
+    DVec2::new(surface.knots(Direction::U).knots()[k], surface.knots(Direction::V).knots()[l])
 }
 
 /// The pieces of a region that run through the inside of the domain: along its borders nothing is cut.

@@ -121,16 +121,23 @@ impl Model {
                 hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
             }
         };
-        for face in &self.faces {
+        // A surface of thousands of faces counts once: after that, by the first face that it is of.
+        let mut first_face: Vec<Option<usize>> = vec![None; self.surfaces.len()];
+        for (id, face) in self.faces.iter().enumerate() {
             let surface = &self.surfaces[face.surface];
             add(u64::from(face.reversed));
-            for direction in [nurbs::Direction::U, nurbs::Direction::V] {
-                let knots = surface.knots(direction);
-                add(knots.degree() as u64);
-                knots.knots().iter().for_each(|k| add(k.to_bits()));
+            if let Some(first) = first_face[face.surface] {
+                add(first as u64);
+            } else {
+                first_face[face.surface] = Some(id);
+                for direction in [nurbs::Direction::U, nurbs::Direction::V] {
+                    let knots = surface.knots(direction);
+                    add(knots.degree() as u64);
+                    knots.knots().iter().for_each(|k| add(k.to_bits()));
+                }
+                surface.points().iter().flat_map(|p| p.to_array()).for_each(|x| add(x.to_bits()));
+                surface.weights().unwrap_or_default().iter().for_each(|w| add(w.to_bits()));
             }
-            surface.points().iter().flat_map(|p| p.to_array()).for_each(|x| add(x.to_bits()));
-            surface.weights().unwrap_or_default().iter().for_each(|w| add(w.to_bits()));
             for boundary in &face.loops {
                 add(boundary.trims.len() as u64);
                 for trim in &boundary.trims {
