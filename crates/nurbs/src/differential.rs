@@ -1,6 +1,7 @@
 //! What a surface looks like at a point: its normal, with how far to trust it, and its curvatures.
 
 use crate::basis::binomial;
+use crate::surface::power_of_two;
 use crate::{Direction, SecondDerivatives, Surface};
 use glam::{DVec2, DVec3};
 
@@ -118,10 +119,13 @@ impl Surface {
 
     fn interrogate(&self, d: SecondDerivatives, span: [usize; 2], t: impl FnOnce() -> DVec2) -> SurfacePoint {
         let flat = self.collapsed(&d);
-        let cross = d.su.cross(d.sv);
-        if !flat[0] && !flat[1] && cross.length() > PARALLEL * d.su.length() * d.sv.length() {
+        let [unit_u, unit_v] = [d.su, d.sv].map(|d| power_of_two(d.abs().max_element()));
+        let (su, sv) = (d.su / unit_u, d.sv / unit_v);
+        let cross = su.cross(sv);
+        if !flat[0] && !flat[1] && cross.length() > PARALLEL * su.length() * sv.length() {
             let n = cross.normalize();
-            return SurfacePoint { derivatives: d, normal: Normal::Regular(n), curvature: Some(curvature(&d, n)) };
+            let curvature = curvature(&d, [unit_u, unit_v], n);
+            return SurfacePoint { derivatives: d, normal: Normal::Regular(n), curvature: Some(curvature) };
         }
         SurfacePoint { derivatives: d, normal: self.limit_normal(span, t(), flat), curvature: None }
     }
@@ -179,13 +183,18 @@ fn limit_along(table: &[Vec<DVec3>], [du, dv]: [f64; 2], [flat_u, flat_v]: [bool
 /// There the shape operator is symmetric, so k1 − k2 = 2 √(((a − c) / 2)² + b²) has no cancellation at umbilics,
 /// which the textbook √(H² − K) has. Of the two the one that is smaller in size is K over the other, for in H ∓ the root it
 /// cancels: where one is 1e10 times the other nothing would be left.
-fn curvature(d: &SecondDerivatives, n: DVec3) -> Curvature {
-    let length = d.su.length();
-    let e1 = d.su / length;
+///
+/// The parameters are counted in units of 1 / `units`, powers of two near |S_u| and |S_v|: then no square leaves f64.
+fn curvature(d: &SecondDerivatives, [unit_u, unit_v]: [f64; 2], n: DVec3) -> Curvature {
+    let (su, sv) = (d.su / unit_u, d.sv / unit_v);
+    let length = su.length();
+    let e1 = su / length;
     let e2 = n.cross(e1);
     // S_v = f e1 + g e2; the inverse of that change of basis is applied to L, M, N.
-    let (f, g) = (d.sv.dot(e1), d.sv.dot(e2));
-    let (l, m, nn) = (d.suu.dot(n), d.suv.dot(n), d.svv.dot(n));
+    let (f, g) = (sv.dot(e1), sv.dot(e2));
+    let l = (d.suu / unit_u / unit_u).dot(n);
+    let m = (d.suv / unit_u / unit_v).dot(n);
+    let nn = (d.svv / unit_v / unit_v).dot(n);
     let shear = f / length;
     let a = l / (length * length);
     let b = (m - shear * l) / (length * g);

@@ -12,6 +12,9 @@ const GREATEST_COORDINATE: f64 = 1e60;
 /// The largest ratio of two weights of one surface. Beyond it f64 no longer carries the lighter points at all.
 const GREATEST_WEIGHT_RATIO: f64 = 1e12;
 
+/// A greatest weight within this factor of 1 is left as it is: 2¹⁰⁰.
+const USUAL_WEIGHT: f64 = 1_267_650_600_228_229_401_496_703_205_376.0;
+
 /// One of the two parameter directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
@@ -93,9 +96,7 @@ impl Surface {
             let value = points[index].to_array().into_iter().find(|&x| !usable(x)).expect("one is not usable");
             return Err(NurbsError::PointNotFinite { index, value });
         }
-        if let Some(weights) = &weights {
-            check_weights(weights, expected)?;
-        }
+        let weights = weights.map(|weights| checked_weights(weights, expected)).transpose()?;
         let hull = Hull::of(points.iter().copied());
         let center = hull.center();
         let local = points
@@ -146,6 +147,8 @@ impl Surface {
     }
 
     /// Weights, in the order of the points; `None` for a polynomial surface.
+    ///
+    /// Where the greatest given one was above 2¹⁰⁰ or below 2⁻¹⁰⁰ all are divided by a power of two that makes it 1 to 2.
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_deref()
     }
@@ -524,17 +527,29 @@ pub(crate) fn usable(x: f64) -> bool {
     x.abs() <= GREATEST_COORDINATE
 }
 
-/// Checks the weights of `expected` control points.
-pub(crate) fn check_weights(weights: &[f64], expected: usize) -> Result<(), NurbsError> {
+/// The weights of `expected` control points, checked; divided by a power of two where the greatest is very large or small.
+///
+/// A common factor changes no point, and a power of two no bit. So weights of 1e-300 or 1e308 mean what those of 1 mean,
+/// though their products with coordinates would leave f64.
+pub(crate) fn checked_weights(weights: Vec<f64>, expected: usize) -> Result<Vec<f64>, NurbsError> {
     if weights.len() != expected {
         return Err(NurbsError::WeightCount { expected, found: weights.len() });
     }
     let greatest = weights.iter().fold(0.0, |m: f64, w| m.max(*w));
     let legal = |w: f64| w > 0.0 && w.is_finite() && w * GREATEST_WEIGHT_RATIO >= greatest && w >= f64::MIN_POSITIVE;
-    match weights.iter().position(|&w| !legal(w)) {
-        Some(index) => Err(NurbsError::Weight { index, value: weights[index] }),
-        None => Ok(()),
+    if let Some(index) = weights.iter().position(|&w| !legal(w)) {
+        return Err(NurbsError::Weight { index, value: weights[index] });
     }
+    if (1.0 / USUAL_WEIGHT..=USUAL_WEIGHT).contains(&greatest) {
+        return Ok(weights);
+    }
+    let unit = power_of_two(greatest);
+    Ok(weights.into_iter().map(|w| w / unit).collect())
+}
+
+/// The greatest power of two that is at most `x`, which is positive and finite; at least the smallest normal number.
+pub(crate) fn power_of_two(x: f64) -> f64 {
+    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 #[inline(always)]
