@@ -99,7 +99,10 @@ impl ViewArgs {
             (None, None) => framing.projection(),
         };
         let eye = vector(&self.eye).unwrap_or(framing.eye());
-        let target = vector(&self.target).unwrap_or_else(|| model.hull().center());
+        let target = vector(&self.target).unwrap_or_else(|| match self.eye {
+            Some(_) => model.hull().center(),
+            None => framing.target(),
+        });
         let up = vector(&self.up).unwrap_or(DVec3::Z);
         let shift = self.lens_shift.as_ref().map_or(DVec2::ZERO, |shift| DVec2::new(shift[0], shift[1]));
         let camera = Camera::look_at(eye, target, up, projection)?.with_lens_shift(shift)?;
