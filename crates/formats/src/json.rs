@@ -184,6 +184,8 @@ fn build_trim(raw: RawTrim, inherited: Convention, place: &Place) -> Result<Trim
         seam: raw.seam.unwrap_or(false),
         degenerate: raw.degenerate.unwrap_or(false),
         edge: raw.edge,
+        edge_tolerance: 0.0,
+        vertex_tolerance: None,
     })
 }
 

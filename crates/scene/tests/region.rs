@@ -48,7 +48,7 @@ fn trim(degree: usize, points: Vec<DVec2>, weights: Option<Vec<f64>>) -> Trim {
     let spans = (points.len() - 1) / degree;
     let breaks: Vec<f64> = (0..=spans).map(|i| i as f64).collect();
     let knots = knots(degree, &breaks);
-    Trim { knots, points, weights, reversed: false, seam: false, degenerate: false, edge: None }
+    Trim::new(knots, points, weights)
 }
 
 fn path(points: &[(f64, f64)]) -> Vec<Trim> {
@@ -79,7 +79,7 @@ fn backwards(mut boundary: Loop) -> Loop {
 
 fn build(surface: &Surface, loops: Vec<Loop>) -> Result<Region, SceneError> {
     let face = Face { loops, ..Face::whole(0) };
-    let region = Region::new(7, &face, surface)?.expect("the face has loops");
+    let region = Region::new(7, &face, surface, 0.0)?.expect("the face has loops");
     assert_watertight(&region);
     Ok(region)
 }
@@ -121,7 +121,7 @@ fn material(region: &Region, u: f64, v: f64) -> bool {
 
 #[test]
 fn a_face_without_loops_has_no_region() {
-    assert_eq!(Region::new(0, &Face::whole(0), &plane(1.0)), Ok(None));
+    assert_eq!(Region::new(0, &Face::whole(0), &plane(1.0), 0.0), Ok(None));
 }
 
 #[test]
@@ -340,7 +340,7 @@ fn small_gaps_are_healed_and_the_largest_is_told() {
     );
     assert!(error.to_string().starts_with("face 7, loop 0: 1.003"), "{error}");
     let face = Face { tolerance: 1e-3, loops: vec![boundary], ..Face::whole(0) };
-    assert!(Region::new(0, &face, &plane(10.0)).is_ok());
+    assert!(Region::new(0, &face, &plane(10.0), 0.0).is_ok());
 }
 
 #[test]
