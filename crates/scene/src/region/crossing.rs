@@ -19,7 +19,7 @@ use std::ops::Range;
 const MARGIN: f64 = 1e-6;
 
 /// The widest margin, as a share of the domain, however large the tolerance, or slow the surface at a pole.
-const WIDEST: f64 = 1e-3;
+const WIDEST: f64 = 1e-2;
 
 /// Halvings of a pair of pieces before what is left counts as touching.
 const HALVINGS: u32 = 40;
