@@ -91,7 +91,7 @@ pub fn run(args: &GeigerArgs) -> Result<()> {
     picture.write_png(args.out.join("fig17.png"))?;
     let zoomed = zoom::pictures()?;
     zoomed.write_png(args.out.join("zoom.png"))?;
-    let model = ModelArgs { model: args.model.clone() }.open()?;
+    let model = ModelArgs::named(&args.model).open()?;
     let cost = |side, chords| cost(&model, device.as_ref(), [side, chords], args);
     let by_side: Vec<Cost> = SIDES.into_iter().map(|side| cost(side, 64)).collect::<Result<_>>()?;
     let by_chords: Vec<Cost> = CHORDS.into_iter().map(|chords| cost(1024, chords)).collect::<Result<_>>()?;
