@@ -81,10 +81,9 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         return Ok(());
     }
     let model = args.model.open()?;
-    let info = describe(&model);
     match args.format {
-        Format::Json => println!("{}", serde_json::to_string_pretty(&info)?),
-        Format::Table => print(&info),
+        Format::Json => println!("{}", serde_json::to_string_pretty(&describe(&model))?),
+        Format::Table => println!("{}", text(&model)),
     }
     Ok(())
 }
@@ -201,16 +200,19 @@ fn degenerate_edges(surface: &Surface) -> Vec<&'static str> {
     sides.into_iter().filter_map(|(name, is)| is.then_some(name)).collect()
 }
 
-fn print(info: &ModelInfo) {
+/// The model for people, in lines.
+pub fn text(model: &Model) -> String {
+    let info = describe(model);
+    let mut lines = vec![];
     let point = |p: [f64; 3]| format!("({})", p.map(|x| significant(x, size_of(info.hull))).join(", "));
-    println!(
+    lines.push(format!(
         "{}: {} faces, {} Bézier patches, hash {}",
         escaped(&info.model),
         info.faces.len(),
         info.bezier_patches,
         info.hash
-    );
-    println!("box {} to {}", point(info.hull[0]), point(info.hull[1]));
+    ));
+    lines.push(format!("box {} to {}", point(info.hull[0]), point(info.hull[1])));
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([
@@ -242,26 +244,27 @@ fn print(info: &ModelInfo) {
             format!("{}\n{}", point(f.hull[0]), point(f.hull[1])),
         ]);
     }
-    println!("{table}");
+    lines.push(table.to_string());
     if info.faces.len() > TABLE_ROWS {
-        println!("… and {} more (--format json lists all)", info.faces.len() - TABLE_ROWS);
+        lines.push(format!("… and {} more (--format json lists all)", info.faces.len() - TABLE_ROWS));
     }
     if let Some(t) = &info.trimming {
-        println!(
+        lines.push(format!(
             "{} trimmed faces, {} trim curves; largest gap closed in a loop {:.1e}",
             t.trimmed_faces, t.trim_curves, t.largest_gap_in_a_loop
-        );
+        ));
         if let Some(widest) = &t.widest_edge {
             let faces: Vec<String> = widest.faces.iter().map(u32::to_string).collect();
-            println!(
+            lines.push(format!(
                 "{} shared edges; the curves of edge {}, faces {}, run farthest apart: {:.1e}",
                 t.shared_edges,
                 widest.edge,
                 faces.join(" and "),
                 widest.gap
-            );
+            ));
         }
     }
+    lines.join("\n")
 }
 
 /// The greatest side of a box.

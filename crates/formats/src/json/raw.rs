@@ -54,7 +54,7 @@ fn word_at(text: &str, line: usize, column: usize) -> String {
     let inside = |c: char| c.is_alphanumeric() || "+-._".contains(c);
     let (before, after) = line.split_at(at);
     if let Some(sign) = after.chars().next().filter(|c| !inside(*c) && !c.is_whitespace()) {
-        return sign.to_string();
+        return escaped(&sign.to_string());
     }
     let start = before.char_indices().rev().take_while(|(_, c)| inside(*c)).last().map_or(at, |(i, _)| i);
     let end = at + after.find(|c| !inside(c)).unwrap_or(after.len());
