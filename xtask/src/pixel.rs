@@ -32,7 +32,7 @@ pub struct PixelArgs {
 /// # Errors
 /// Where input is bad or the pixel is outside the picture.
 pub fn run(args: &PixelArgs) -> Result<ExitCode> {
-    let model = ModelArgs { model: args.model.clone() }.open()?;
+    let model = ModelArgs::named(&args.model).open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let (x, y): (usize, usize) = args

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use glam::{DVec2, DVec3};
-use scene::{Camera, Model, Projection, Viewport};
+use scene::{Camera, Model, Projection, Viewport, escaped};
 use std::path::Path;
 
 /// A model by name or file.
@@ -12,6 +12,9 @@ pub struct ModelArgs {
     /// A model file (.json, .bpt) or the name of a built-in model (see `cargo xtask info --list`)
     #[arg(value_name = "MODEL", default_value = "teapot")]
     pub model: String,
+    /// Refuse a file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap closed
+    #[arg(long)]
+    pub strict: bool,
 }
 
 /// Where the camera stands and what it fills.
@@ -43,12 +46,39 @@ pub struct ViewArgs {
     pub size: Option<String>,
 }
 
+/// Notes that are printed before the rest is only counted; the JSON of `info` and `compare` lists all.
+const PRINTED_NOTES: usize = 100;
+
 impl ModelArgs {
-    /// Opens the model.
+    /// The model of that name or file, whatever is left out of it.
+    pub fn named(model: &str) -> Self {
+        Self { model: model.to_owned(), strict: false }
+    }
+
+    /// Opens the model, and prints on standard error what of it is not drawn as it stands in its file.
     ///
     /// # Errors
-    /// Where it is neither a built-in name nor a readable file; a file's error names the place and the value.
+    /// Where it is neither a built-in name nor a readable file; a file's error names the place and the value. With
+    /// `strict`, where there is anything to print.
     pub fn open(&self) -> Result<Model> {
+        let model = self.read()?;
+        let notes = model.notes();
+        for note in notes.iter().take(PRINTED_NOTES) {
+            eprintln!("note: {}: {note}", escaped(&self.model));
+        }
+        if PRINTED_NOTES < notes.len() {
+            eprintln!("note: {}: and {} more", escaped(&self.model), notes.len() - PRINTED_NOTES);
+        }
+        if self.strict && !notes.is_empty() {
+            bail!(
+                "{}: not drawn as it stands in the file, by the notes above, and --strict is given",
+                escaped(&self.model)
+            );
+        }
+        Ok(model)
+    }
+
+    fn read(&self) -> Result<Model> {
         if let Some(model) = formats::builtin(&self.model) {
             return Ok(model);
         }

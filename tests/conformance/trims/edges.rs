@@ -26,7 +26,7 @@ fn plan(technique: Technique) -> Plan {
 fn bezier(points: &[DVec2], weights: Option<Vec<f64>>) -> Trim {
     let p = points.len() - 1;
     let knots = KnotVector::new(p, [vec![0.0; p + 1], vec![1.0; p + 1]].concat()).expect("legal");
-    Trim { knots, points: points.to_vec(), weights, reversed: false, seam: false, degenerate: false, edge: None }
+    Trim::new(knots, points.to_vec(), weights)
 }
 
 fn polygon(corners: &[DVec2]) -> Vec<Trim> {

@@ -108,7 +108,7 @@ impl SavedFile {
     fn model(&self, named: Option<&str>) -> Result<Model> {
         let meta = self.buffer.meta();
         let model = match named {
-            Some(name) => ModelArgs { model: name.to_owned() }.open()?,
+            Some(name) => ModelArgs::named(name).open()?,
             None => formats::builtin(&meta.model).with_context(|| {
                 format!("{}: its model {:?} is no built-in one; name its file by --model", self.place(), meta.model)
             })?,
