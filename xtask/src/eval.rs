@@ -1,5 +1,6 @@
 //! `eval`: S, derivatives, normal and curvatures at given parameters, as JSON.
 
+use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -68,7 +69,7 @@ pub fn run(args: &EvalArgs) -> Result<()> {
         }
         answers.push(json!({ "surface": query.surface, "results": results }));
     }
-    println!("{}", json!({ "queries": answers }));
+    terminal::json(&json!({ "queries": answers }))?;
     Ok(())
 }
 

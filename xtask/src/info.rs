@@ -2,6 +2,7 @@
 
 use crate::format::Format;
 use crate::view::ModelArgs;
+use crate::{say, terminal};
 use anyhow::Result;
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
@@ -72,15 +73,15 @@ struct ModelInfo {
 pub fn run(args: &InfoArgs) -> Result<()> {
     if args.list {
         for (name, description) in formats::BUILTINS.iter().chain(formats::HARD).chain(formats::TRIMMED) {
-            println!("{name:20} {description}");
+            say!("{name:20} {description}")?;
         }
         return Ok(());
     }
     let model = args.model.open()?;
     let info = describe(&model);
     match args.format {
-        Format::Json => println!("{}", serde_json::to_string_pretty(&info)?),
-        Format::Table => print(&info),
+        Format::Json => terminal::json_lines(&info)?,
+        Format::Table => print(&info)?,
     }
     Ok(())
 }
@@ -195,10 +196,10 @@ fn degenerate_edges(surface: &Surface) -> Vec<&'static str> {
     sides.into_iter().filter_map(|(name, is)| is.then_some(name)).collect()
 }
 
-fn print(info: &ModelInfo) {
+fn print(info: &ModelInfo) -> Result<()> {
     let point = |p: [f64; 3]| format!("({:.6}, {:.6}, {:.6})", p[0], p[1], p[2]);
-    println!("{}: {} faces, {} Bézier patches, hash {}", info.model, info.faces.len(), info.bezier_patches, info.hash);
-    println!("box {} to {}", point(info.hull[0]), point(info.hull[1]));
+    say!("{}: {} faces, {} Bézier patches, hash {}", info.model, info.faces.len(), info.bezier_patches, info.hash)?;
+    say!("box {} to {}", point(info.hull[0]), point(info.hull[1]))?;
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([
@@ -227,26 +228,29 @@ fn print(info: &ModelInfo) {
             format!("{}\n{}", point(f.hull[0]), point(f.hull[1])),
         ]);
     }
-    println!("{table}");
+    terminal::table(&table)?;
     if info.faces.len() > TABLE_ROWS {
-        println!("… and {} more (--format json lists all)", info.faces.len() - TABLE_ROWS);
+        say!("… and {} more (--format json lists all)", info.faces.len() - TABLE_ROWS)?;
     }
     if let Some(t) = &info.trimming {
-        println!(
+        say!(
             "{} trimmed faces, {} trim curves; largest gap closed in a loop {:.1e}",
-            t.trimmed_faces, t.trim_curves, t.largest_gap_in_a_loop
-        );
+            t.trimmed_faces,
+            t.trim_curves,
+            t.largest_gap_in_a_loop
+        )?;
         if let Some(widest) = &t.widest_edge {
             let faces: Vec<String> = widest.faces.iter().map(u32::to_string).collect();
-            println!(
+            say!(
                 "{} shared edges; the curves of edge {}, faces {}, run farthest apart: {:.1e}",
                 t.shared_edges,
                 widest.edge,
                 faces.join(" and "),
                 widest.gap
-            );
+            )?;
         }
     }
+    Ok(())
 }
 
 fn knot_text(knots: &KnotInfo) -> String {

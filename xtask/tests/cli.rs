@@ -79,11 +79,46 @@ fn bad_views_are_refused_with_the_value() {
     refused(&["render", "--eye", "0", "0", "9", "--target", "0", "0", "0"], &["up vector"]);
     refused(&["render", "--eye", "NaN", "0", "9"], &["eye", "NaN"]);
     refused(&["render", "--near", "0"], &["near"]);
-    refused(&["render", "--lens-shift", "0", "inf"], &["lens shift", "inf"]);
+    refused(&["render", "--lens-shift", "0", "inf"], &["--lens-shift", "inf"]);
     refused(&["render", "--antialias", "3"], &["3", "4, 8, 16"]);
-    refused(&["compare", "--chord", "0"], &["chord"]);
+    for chord in ["0", "-1", "nan", "inf", "1e9"] {
+        refused(&["compare", "--chord", chord], &["--chord", chord, "at most 64 pixels"]);
+    }
+    for share in ["nan", "5", "-0.01", "inf", "1e-400x"] {
+        refused(&["compare", "--unbounded", share], &["--unbounded", share, "a share from 0 to 1"]);
+    }
+    for (option, value) in [("--fov", "nan"), ("--ortho", "inf"), ("--near", "-1e-9"), ("--mask-px", "NaN")] {
+        refused(&["render", option, value], &[option, value]);
+    }
+    refused(&["render", "--eye", "0", "0", "--size", "8x8"], &["--eye", "--size"]);
+    refused(&["kanai", "--cells", "0"], &["--cells", "0"]);
+    refused(&["mutants", "--jobs", "0"], &["--jobs", "0"]);
     refused(&["pixel", "teapot", "600,1"], &["600"]);
     refused(&["no-such-command"], &["no-such-command"]);
+}
+
+#[test]
+fn negative_numbers_may_have_exponents_in_every_command() {
+    let model = file("negative.json", &square().to_string());
+    let model = model.to_str().expect("UTF-8");
+    let view = ["--eye", "-8e-05", "-.5", "2", "--target", "-1E-3", "0", "-2e-4", "--up", "-1e-7", "1", "0"];
+    let shift = ["--lens-shift", "-1e-05", "0"];
+    let output = xtask(&[&["scene", model], &view[..], &shift[..]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let scene: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let camera = &scene["meta"]["camera"];
+    assert_eq!((&camera["eye"], &camera["target"]), (&json!([-8e-05, -0.5, 2.0]), &json!([-1e-3, 0.0, -2e-4])));
+    assert_eq!(camera["lens_shift"], json!([-1e-05, 0.0]));
+    let commands: [&[&str]; 4] = [
+        &["render", model, "--with", "raycast"],
+        &["compare", model, "--format", "json"],
+        &["pixel", model, "4,4"],
+        &["kanai", model, "--cells", "2", "--out", concat!(env!("CARGO_TARGET_TMPDIR"), "/negative")],
+    ];
+    for command in commands {
+        let output = xtask(&[command, &view[..], &["--size", "8x8"]].concat());
+        assert!(output.status.success(), "{command:?}: {}", text(&output.stderr));
+    }
 }
 
 #[test]
@@ -287,7 +322,7 @@ fn masks_are_reported_and_too_little_memory_makes_them_coarser_or_is_refused() {
     assert!(coarser.status.success(), "{}", text(&coarser.stderr));
     assert!(text(&coarser.stderr).contains("masks are coarser than asked"), "{}", text(&coarser.stderr));
     refused(&texture(&["--mask-memory", "0"]), &["1 trimmed faces", "0 bytes"]);
-    refused(&texture(&["--mask-px", "-1"]), &["-1 pixels", "positive"]);
+    refused(&texture(&["--mask-px", "-1"]), &["--mask-px", "-1", "positive"]);
 }
 
 /// Geiger's Figs. 17, 32 and 33.

@@ -37,7 +37,7 @@ use glam::{DVec2, DVec3};
 use meta::MetaText;
 use scene::Viewport;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Cursor, Seek, Write};
+use std::io::{self, BufReader, Cursor, Seek, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -61,14 +61,12 @@ impl GBuffer {
     /// hit are written as they are; [`Self::read_npz`] then refuses the file.
     ///
     /// # Errors
-    /// [`GBufferError::Io`], [`GBufferError::FaceTooLarge`]. A file that could not be finished may be left behind.
+    /// [`GBufferError::Io`], [`GBufferError::FaceTooLarge`]. What was there then stays.
     pub fn write_npz(&self, path: impl AsRef<Path>) -> Result<(), GBufferError> {
         let path = path.as_ref();
         self.check_faces()?;
         let io = |source| GBufferError::Io { path: path.to_owned(), source };
-        let file = File::create(path).map_err(io)?;
-        let mut writer = self.write_archive(BufWriter::new(file)).map_err(io)?;
-        writer.flush().map_err(io)
+        files::write(path, |writer| self.write_archive(writer).map(|_| ())).map_err(io)
     }
 
     /// The bytes that [`Self::write_npz`] writes.

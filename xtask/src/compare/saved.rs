@@ -6,6 +6,7 @@
 use super::{CompareArgs, answer, pictures::Pictures, table};
 use crate::antialias::Antialias;
 use crate::masks::TrimGrant;
+use crate::say;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
@@ -402,14 +403,15 @@ impl<'a> FileReport<'a> {
     }
 }
 
-fn print(report: &Report) {
-    println!("{}, {}x{}", report.model, report.size[0], report.size[1]);
+fn print(report: &Report) -> Result<()> {
+    say!("{}, {}x{}", report.model, report.size[0], report.size[1])?;
     for FileReport { file, renderer, technique, adapter, version, covered, .. } in &report.files {
         let adapter = adapter.map_or(String::new(), |name| format!(" on {name:?}"));
-        println!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered");
+        say!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered")?;
     }
-    table::pairs(report.pairs);
+    table::pairs(report.pairs)?;
     if report.undecided > 0 {
-        println!("the ray caster left {} pixels undecided", report.undecided);
+        say!("the ray caster left {} pixels undecided", report.undecided)?;
     }
+    Ok(())
 }

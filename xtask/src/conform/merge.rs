@@ -3,7 +3,8 @@
 use super::corpus::Shard;
 use super::report::{Case, Outcome, Report, Subject};
 use super::{OutputArgs, finish};
-use anyhow::{Context, Result, bail};
+use crate::output;
+use anyhow::{Result, bail};
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -33,7 +34,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         read.push((Report::read(&path)?, path));
     }
     let merged = merged(&read)?;
-    std::fs::create_dir_all(&args.output.out).with_context(|| args.output.out.display().to_string())?;
+    output::folder(&args.output.out)?;
     finish(&merged, &args.output)
 }
 

@@ -4,6 +4,7 @@
 //! stored: it follows from what was planned and what is there, so that a run that was killed says so by itself.
 
 use super::corpus::{CaseKey, Shard, Suite};
+use crate::output;
 use anyhow::{Context, Result, bail};
 use compare::{Histogram, PairReport, Verdict};
 use gbuffer::{GBuffer, Hit};
@@ -411,17 +412,6 @@ impl Report {
     /// Where the folder cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let text = serde_json::to_vec(self)?;
-        write_atomically(&folder.join("report.json"), &text)
+        output::write(&folder.join("report.json"), &text)
     }
-}
-
-/// Writes beside the file and renames.
-///
-/// # Errors
-/// Where either fails; the file is named.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    let beside = path.with_extension("part");
-    let name = || path.display().to_string();
-    std::fs::write(&beside, bytes).with_context(name)?;
-    std::fs::rename(&beside, path).with_context(name)
 }
