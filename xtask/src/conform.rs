@@ -1,5 +1,6 @@
 //! `conform`: a portable corpus on each adapter, and one report of it for people, for CI systems and for a browser.
 
+pub mod check;
 pub mod corpus;
 pub mod html;
 pub mod junit;
@@ -11,7 +12,7 @@ pub mod table;
 
 use crate::format::Format;
 use crate::{output, say, terminal};
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
 use corpus::{Shard, Suite};
 use report::{Report, State};
@@ -82,9 +83,30 @@ pub fn run(args: &ConformArgs) -> Result<ExitCode> {
     let subjects = adapters.iter().map(|adapter| adapter.subject()).chain(absent).collect();
     let mut report = plans.report(subjects);
     let folder = &output.out;
-    output::folder(folder)?;
+    let _lock = claim(folder, *suite, *shard)?;
     plans.run(&mut adapters, &mut report, on_interrupt(), &mut |report| report.write(folder))?;
     finish(&report, output)
+}
+
+/// Makes a folder, if need be, to which nobody else writes until the lock is dropped, and that holds no other part of a suite.
+fn claim(folder: &Path, suite: Suite, shard: Shard) -> Result<files::Lock> {
+    let place = || folder.display().to_string();
+    let lock = files::lock(folder).with_context(place)?;
+    let report = folder.join("report.json");
+    // Anything but a part of a suite is what an earlier run left, and is replaced by this one's.
+    if let Ok(there) = Report::read(&report)
+        && there.shard.count > 1
+        && (there.suite, there.shard) != (suite, shard)
+    {
+        bail!(
+            "{}: it is shard {} of suite {}, and shard {shard} of {} would replace it: give each its own --out",
+            report.display(),
+            there.shard,
+            there.suite.name(),
+            suite.name()
+        );
+    }
+    Ok(lock)
 }
 
 /// The adapters asked for, and the ones that could not be opened.
@@ -119,7 +141,7 @@ fn finish(report: &Report, output: &OutputArgs) -> Result<ExitCode> {
     match output.format {
         Format::Json => terminal::json(report)?,
         Format::Table => {
-            say!("{}", table::text(report))?;
+            terminal::styled(&table::text(report))?;
             say!("report.html, report.json and junit.xml are in {}", output.out.display())?;
         }
     }

@@ -80,7 +80,15 @@ macro_rules! say {
 /// # Errors
 /// [`OutputError`].
 pub fn table(table: &Table) -> Result<()> {
-    print(&table.to_string())
+    styled(&table.to_string())
+}
+
+/// Prints lines with colours in them, in which all text from outside is escaped already.
+///
+/// # Errors
+/// [`OutputError`].
+pub fn styled(text: &str) -> Result<()> {
+    print(text)
 }
 
 /// Prints one JSON object on a line.

@@ -89,6 +89,17 @@ fn a_file_that_cannot_be_written_is_exit_code_2_and_named() {
 }
 
 #[test]
+fn endless_queries_are_refused_before_they_are_read() {
+    let pipe = place("queries", "pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo runs").success());
+    for path in [pipe.to_str().expect("UTF-8"), "/dev/zero"] {
+        let output = command(&["eval", "sphere", "--queries", path]).output().expect("xtask starts");
+        assert_eq!(output.status.code(), Some(2), "{}", words(&output));
+        assert!(words(&output).contains("not a regular file") && words(&output).contains(path), "{}", words(&output));
+    }
+}
+
+#[test]
 fn a_report_that_cannot_be_written_is_exit_code_2_and_leaves_what_was_there() {
     let report = place("report", "report.json");
     fs::create_dir(&report).expect("a folder can be made");

@@ -19,7 +19,7 @@ fn invalid_junit(document: &[u8]) -> Vec<String> {
 
 /// What the schema says of a document; empty where it is valid.
 fn invalid_json(document: &Value) -> Vec<String> {
-    let text = std::fs::read_to_string(schema("conform-1.json")).expect("the schema is there");
+    let text = std::fs::read_to_string(schema("conform-2.json")).expect("the schema is there");
     let schema = serde_json::from_str(&text).expect("the schema is JSON");
     let validator = jsonschema::validator_for(&schema).expect("the schema is one");
     validator.iter_errors(document).map(|error| format!("{}: {error}", error.instance_path())).collect()
@@ -93,14 +93,16 @@ fn json_is_valid_and_reads_back_as_it_was() {
 #[test]
 fn the_json_schema_refuses_what_is_wrong() {
     let whole = serde_json::to_value(&*DIFFERING).expect("JSON");
-    let wrong: [(&str, Value); 7] = [
+    let wrong: [(&str, Value); 9] = [
         ("/schema", json!("other")),
-        ("/schema_version", json!(2)),
+        ("/schema_version", json!(1)),
         ("/cases/0/outcomes/0/pairs/0/covered", json!(-1)),
         ("/cases/0/picture", json!("https://example.org/a.png")),
         ("/cases/0/outcomes/1/pairs/0/worst/0/candidate", json!({"face": 0})),
         ("/subjects/0/kind", json!("toaster")),
         ("/shard", json!("1/3")),
+        ("/shard/count", json!(4_000_000_000u64)),
+        ("/corpus", json!("")),
     ];
     for (place, value) in wrong {
         let mut document = whole.clone();
