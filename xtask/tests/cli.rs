@@ -223,6 +223,38 @@ fn saved_gbuffers_that_cannot_be_judged_are_refused() {
     refused(&["compare", "teapot", "--model", "sphere"], &["--model", "teapot"]);
 }
 
+/// A megabyte of zeros becomes a gigabyte of arrays: its model's hash is looked at before that.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_small_file_of_large_arrays_costs_nothing_before_its_model_is_known() {
+    use scene::{Camera, FaceId, Viewport};
+    let model = formats::builtin("sphere").expect("built in");
+    let viewport = Viewport::new(4000, 1800).expect("a legal size");
+    let camera = Camera::framing(&model, viewport);
+    let mut meta = gbuffer::Meta::new("other", "exact", &model, &camera);
+    meta.model_hash = "0".repeat(16);
+    let hit = gbuffer::Hit {
+        face: FaceId(0),
+        uv: Default::default(),
+        t: 0.0,
+        position: Default::default(),
+        normal: nurbs::Normal::Undefined,
+        curvature: None,
+        edge: None,
+    };
+    let row = |_| vec![Some(hit); viewport.width()];
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("zeros.npz");
+    let buffer = gbuffer::GBuffer::from_rows(viewport, meta, (0..viewport.height()).map(row));
+    buffer.write_npz(&path).expect("a folder to write to");
+    assert!(std::fs::metadata(&path).expect("there").len() < 16_000_000);
+    // Address space, kB: what the program itself takes, and far below the arrays' 700 MB.
+    let line = format!("ulimit -v 600000; exec {} compare {}", env!("CARGO_BIN_EXE_xtask"), path.display());
+    let output = Command::new("bash").args(["-c", &line]).output().expect("bash starts");
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("zeros.npz") && message.contains("hash"), "{message}");
+}
+
 #[test]
 fn a_scene_is_written_for_others_to_draw() {
     let output = xtask(&["scene", "torus", "--size", "40x30", "--ortho", "3"]);
