@@ -5,6 +5,7 @@ mod trimming;
 use crate::compare::DrawingArgs;
 use crate::format::Format;
 use crate::stage::{Plan, Stage};
+use crate::{say, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
@@ -102,7 +103,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         Ok(device) => Some(device),
         Err(error) if args.drawing.adapter.is_some() => return Err(error.into()),
         Err(error) => {
-            eprintln!("gpu not run: {error}");
+            terminal::note(format_args!("gpu not run: {error}"));
             None
         }
     };
@@ -188,10 +189,10 @@ pub fn run(args: &BenchArgs) -> Result<()> {
 fn print(args: &BenchArgs, adapter: Option<&str>, figures: &[Figure]) -> Result<()> {
     let threads = rayon::current_num_threads();
     if args.format == Format::Json {
-        println!("{}", serde_json::json!({ "adapter": adapter, "threads": threads, "figures": figures }));
+        say!("{}", serde_json::json!({ "adapter": adapter, "threads": threads, "figures": figures }))?;
         return Ok(());
     }
-    println!("gpu: {}; raster on {threads} threads; medians of {} rounds", adapter.unwrap_or("none"), args.rounds);
+    say!("gpu: {}; raster on {threads} threads; medians of {} rounds", adapter.unwrap_or("none"), args.rounds)?;
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header(["what", "median", "least", "greatest", "unit", "to compare with"]);
@@ -207,7 +208,7 @@ fn print(args: &BenchArgs, adapter: Option<&str>, figures: &[Figure]) -> Result<
             reference,
         ]);
     }
-    println!("{table}");
+    terminal::table(&table)?;
     Ok(())
 }
 
