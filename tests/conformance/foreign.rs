@@ -145,6 +145,17 @@ fn each_mistake_of_a_foreign_renderer_is_caught_and_its_cause_named() {
         ("flat triangles that are called exact", labelled(sound.clone(), "solver", "exact"), Cause::Interpolation),
         ("the hidden side", cast(&sound, 0.0, second), Cause::Depth),
         (
+            "the hidden side, at no distance",
+            each(&cast(&sound, 0.0, second), |hit| Hit { t: 0.0, ..hit }),
+            Cause::Depth,
+        ),
+        ("no distance", each(&sound, |hit| Hit { t: 0.0, ..hit }), Cause::Distance),
+        ("half of the distance", each(&sound, |hit| Hit { t: 0.5 * hit.t, ..hit }), Cause::Distance),
+        ("a distance in thousandths more", each(&sound, |hit| Hit { t: 1.001 * hit.t, ..hit }), Cause::Distance),
+        ("a distance in millionths more", each(&sound, |hit| Hit { t: 1.00001 * hit.t, ..hit }), Cause::Distance),
+        ("a distance behind the eye", each(&sound, |hit| Hit { t: -hit.t, ..hit }), Cause::Distance),
+        ("depth from 0 to 1", each(&sound, |hit| Hit { t: 1.0 / hit.t, ..hit }), Cause::Distance),
+        (
             "a hole in the middle",
             changed(&sound, |x, y| sound.get(x, y).filter(|_| x % 8 != 0).copied()),
             Cause::Coverage,

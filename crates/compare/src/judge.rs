@@ -80,7 +80,9 @@ impl<'m> Judge<'m> {
     ///    [`Deviation::edge_px`], and a position where nothing is seen counts only beyond a fold;
     /// 6. *trim edges*, where the candidate was asked for them: there is one at the place that it records, none is nearer,
     ///    and none is within reach where it records none, to within what f32 and the linear map at its own (u, v) may be
-    ///    off. A failure is `Trim`.
+    ///    off. A failure is `Trim`;
+    /// 7. *distance*: the stated distance is that of S(u, v) along the pixel's ray, up to the rounding of S and of a
+    ///    depth in f32. The tests before take that distance from S(u, v) itself.
     ///
     /// A pixel that differs is `Undecided` where the reference says that it could not decide it, and else
     /// `NewtonNotConverged` where the candidate says that it did not converge. For a candidate of technique `exact` a

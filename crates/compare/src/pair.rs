@@ -80,16 +80,25 @@ impl Pair<'_, '_> {
     }
 
     /// A pixel that the candidate covers.
+    ///
+    /// How far away it is follows from its own (u, v), whatever distance it states: that is judged last.
     fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Difference> {
         let shares = self.judge.evaluation(candidate)?;
         let s = self.judge.surface_point(candidate);
+        let ray = self.judge.camera.ray(self.judge.viewport, center.x, center.y);
+        let along_ray = |s: DVec3| (s - ray.origin).dot(ray.direction);
+        let stated = candidate;
+        let candidate = &Hit { t: along_ray(s), ..*stated };
+        let reference = reference.map(|r| Hit { t: along_ray(self.judge.surface_point(r)), ..*r });
+        let reference = reference.as_ref();
         let face = candidate.face.0 as usize;
         let bound_px = self.bound_of_shown(candidate, s);
         let at_edge = self.judge.trimming(candidate, center, self.deviation.edge_px)?;
         let shares = Shares { ambiguous: at_edge || shares.ambiguous, ..shares };
         // Along the ray: the chord on either side, what rounding of S itself was, and that of the depths compared.
         let depth = DEPTH_ULPS / (1u64 << 24) as f64 * (candidate.t.abs() + self.judge.size);
-        let slack = 2.0 * self.deviation.model_units(face) + 2.0 * candidate.position.distance(s) + depth;
+        let rounded = candidate.position.distance(s);
+        let slack = 2.0 * self.deviation.model_units(face) + 2.0 * rounded + depth;
         let in_front = self.judge.camera.depth(s) >= self.judge.camera.near() - slack;
         let picture = self.judge.picture(s).filter(|_| in_front);
         let same = reference.filter(|r| r.face == candidate.face && (r.t - candidate.t).abs() <= slack);
@@ -104,8 +113,18 @@ impl Pair<'_, '_> {
             _ => f64::INFINITY,
         };
         let agreement = Agreement { across_px, bound_px, along, shares, edge: None };
+        // S as the candidate rounded it, and what a renderer loses that subtracts and adds up in f32.
+        let with_distance = || {
+            let (off, allowed) = ((stated.t - candidate.t).abs(), rounded + 2.0 * depth);
+            if off <= allowed {
+                return Ok(agreement);
+            }
+            let (is, should) = (stated.t, candidate.t);
+            let detail = format!("t = {is:.9e}, but S is {should:.9e} along the ray; {allowed:.3e} are allowed");
+            Err(Difference::new(Cause::Distance, off / allowed, detail))
+        };
         if same.is_some() && across_px <= bound_px {
-            return Ok(agreement);
+            return with_distance();
         }
         if self.exact {
             if across_px > bound_px {
@@ -125,7 +144,7 @@ impl Pair<'_, '_> {
         }
         // Visibility.
         let hides = |r: &&Hit| r.t < candidate.t - slack - 2.0 * self.deviation.model_units(r.face.0 as usize);
-        let Some(occluder) = reference.filter(hides) else { return Ok(agreement) };
+        let Some(occluder) = reference.filter(hides) else { return with_distance() };
         let behind = |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack);
         let own = picture.filter(|_| self.exact).is_some_and(|p| behind(self.sampler.first(p.x, p.y)));
         let bound = bound_px.max(self.bound_at(occluder));
@@ -139,7 +158,7 @@ impl Pair<'_, '_> {
             || self.passes_by(occluder, center, bound, &behind)
             || behind_own_face()
         {
-            return Ok(agreement);
+            return with_distance();
         }
         let detail =
             format!("shown at t = {:.6}, but face {} at t = {:.6} hides it", candidate.t, occluder.face.0, occluder.t);
