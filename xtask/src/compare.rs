@@ -26,9 +26,9 @@ use std::process::ExitCode;
 /// Render a model by the CPU rasterizer, the GPU and the ray caster, and compare the three; or judge saved G-buffers
 ///
 /// compare MODEL renders and compares. compare B.npz judges a saved G-buffer, of Isophote's or of a renderer of your
-/// own (docs/gbuffer.md), against rays cast now; compare A.npz B.npz judges both, and B against A. If one of the two is
-/// the ray caster's, it is the reference. Saved files bring their camera and size; their model is the built-in one that
-/// they name, or --model.
+/// own (docs/gbuffer.md), against rays cast now; compare A.npz B.npz judges both, and B against A. Saved files bring their
+/// camera and size; their model is the built-in one that they name, or --model. What they say of themselves allows them
+/// nothing: --technique exact allows them no chord, and only --trim texture allows them masks.
 ///
 /// With --antialias every sample of every pixel is rendered and judged, as strictly as a pixel's centre is; pixels count
 /// once for each sample, and the pictures are the samples' mean.
@@ -72,7 +72,7 @@ pub struct DrawingArgs {
     scheme: SchemeName,
     #[command(flatten)]
     trim: TrimArgs,
-    /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are granted
+    /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are allowed
     #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, allow_negative_numbers = true)]
     chord: f64,
     /// The share of covered pixels that may have a value without a bound in f32, as poles have; from 0 to 1

@@ -54,7 +54,8 @@ impl Pair<'_, '_> {
             (Some(reference), None) => self.missing(center, reference).map(|()| Some(Agreement::default())),
         };
         match result {
-            Err(difference) if self.reference.is_undecided(x, y) => {
+            // What a reference says of itself counts only where it is a ray caster, asked here and now.
+            Err(difference) if self.exact && self.reference.is_undecided(x, y) => {
                 Err(Difference { cause: Cause::Undecided, ..difference })
             }
             Err(difference) if self.candidate.is_undecided(x, y) => {
@@ -141,6 +142,10 @@ impl Pair<'_, '_> {
             };
             let detail = format!("nothing within {bound_px:.4} px in the reference is like it");
             return Err(Difference::new(cause, across_px / bound_px, detail));
+        }
+        // The sampler may show more than the reference's buffer does: a hole in that is a difference, too.
+        if reference.is_none() && !self.exact {
+            self.missing(center, candidate)?;
         }
         // Visibility.
         let hides = |r: &&Hit| r.t < candidate.t - slack - 2.0 * self.deviation.model_units(r.face.0 as usize);
