@@ -203,7 +203,7 @@ fn a_renderer_that_solves_on_the_ray_is_held_to_a_hundredth_of_a_pixel() {
     };
     let pair = shifted(0.0);
     assert_eq!(pair.verdict, Verdict::Agree, "{:?} {:?}", pair.causes, pair.worst.first());
-    assert!(pair.max_px < 1e-6 && pair.greatest_bound_px == compare::EXACT_PX, "{pair:?}");
+    assert!(pair.max_px < 1e-6 && pair.greatest_bound_px < 1.01 * compare::EXACT_PX, "{pair:?}");
     assert_eq!(shifted(0.005).verdict, Verdict::Agree);
     assert_eq!(shifted(0.02).main_cause(), Some(Cause::Interpolation));
 }

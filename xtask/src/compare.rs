@@ -15,7 +15,7 @@ use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use compare::UNBOUNDED_SHARE;
+use compare::{PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{Picture, ShadeKind, Shading};
 use pictures::Pictures;
 use pipeline::{DEFAULT_CHORD_PX, Scheme, Technique};
@@ -33,7 +33,8 @@ use std::process::ExitCode;
 /// With --antialias every sample of every pixel is rendered and judged, as strictly as a pixel's centre is; pixels count
 /// once for each sample, and the pictures are the samples' mean.
 ///
-/// Exit code 0: all pairs agree; 1: some pixel differs; 2: something could not run (no adapter counts).
+/// Exit code 0: all pairs agree; 1: some pixel differs, or too many have no verdict; 2: something could not run (no adapter
+/// counts), or nobody shows anything.
 #[derive(Debug, Args)]
 pub struct CompareArgs {
     /// A model file (.json, .bpt), the name of a built-in model (see `cargo xtask info --list`), or one or two saved
@@ -75,7 +76,7 @@ pub struct DrawingArgs {
     /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are allowed
     #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, allow_negative_numbers = true)]
     chord: f64,
-    /// The share of covered pixels that may have a value without a bound in f32, as poles have; from 0 to 1
+    /// The share of covered pixels that may have no verdict for want of a bound, as poles have none; from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE)]
     unbounded: f64,
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
@@ -183,6 +184,18 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
             "compare takes one model, or one or two saved G-buffers (.npz) and their model by --model; {:?} is no .npz",
             models[0]
         ),
+    }
+}
+
+/// 0 where all pairs agree; 1 where some pixel differs, or too many have no verdict; 2 where no pair shows anything.
+///
+/// A pair of which neither shows anything says nothing, and is passed over where others do.
+fn exit_code(pairs: &[PairReport]) -> u8 {
+    let shown: Vec<&PairReport> = pairs.iter().filter(|pair| pair.covered > 0).collect();
+    match shown.iter().all(|pair| pair.verdict == Verdict::Agree) {
+        _ if shown.is_empty() => 2,
+        true => 0,
+        false => 1,
     }
 }
 

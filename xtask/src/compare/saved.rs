@@ -4,13 +4,13 @@
 //! itself can make its judge stricter, never milder: a technique and trims that allow more are the caller's to allow, the
 //! reference is always cast here and now, and pixels marked undecided are judged like any.
 
-use super::{CompareArgs, answer, pictures::Pictures, table};
+use super::{CompareArgs, answer, exit_code, pictures::Pictures, table};
 use crate::antialias::Antialias;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
-use compare::{Deviation, Judge, PairReport, Verdict};
+use compare::{Deviation, Judge, PairReport};
 use gbuffer::{GBuffer, Meta, Trims};
 use pipeline::mask::{MaskOptions, MaskPlan, MaskQuality, Trimming};
 use pipeline::{PackedScene, Technique};
@@ -172,10 +172,10 @@ impl SavedFile {
         let Saved { model, camera, viewport, .. } = saved;
         let meta = self.buffer.meta();
         let deviation = match (meta.technique.as_str(), twins.filter(|_| self.origin == Origin::Twin)) {
-            ("fragment", _) if plan.technique == Technique::Exact => Deviation::exact(model),
-            ("fragment", Some(stage)) => Deviation::of_proxy(&stage.interpolation, &stage.proxy.chord),
+            ("fragment", _) if plan.technique == Technique::Exact => Deviation::exact(),
+            ("fragment", Some(stage)) => Deviation::of_proxy(&stage.interpolation, &stage.chord(), plan.chord_px),
             ("fragment", None) => Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px),
-            ("exact" | "rays", _) => Deviation::exact(model),
+            ("exact" | "rays", _) => Deviation::exact(),
             (other, _) => bail!("{}: meta's technique {other:?} is none of fragment, exact, rays", self.place()),
         };
         Ok(match meta.trims {
@@ -369,8 +369,7 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
     };
     let pictures = Pictures::new(&saved.model, &saved.camera, &buffers, &args.shade.shading())?;
     answer(args, &report, &pictures, || print(&report))?;
-    let agree = pairs.iter().all(|pair| pair.verdict == Verdict::Agree);
-    Ok(if agree { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(ExitCode::from(exit_code(&pairs)))
 }
 
 impl<'a> FileReport<'a> {
