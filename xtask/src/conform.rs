@@ -8,6 +8,7 @@ pub mod pictures;
 pub mod report;
 pub mod run;
 pub mod table;
+pub mod wrong;
 
 use crate::format::Format;
 use anyhow::{Context, Result};
