@@ -216,3 +216,23 @@ fn attributes_of(surface: &Surface) -> Vec<f64> {
     };
     surface.bezier_patches().iter().map(of_piece).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_takes_its_own_number_or_the_one_for_all_and_two_sides_add_up() {
+        let model = formats::builtin("surface").expect("built in");
+        let pieces = model.surfaces()[0].bezier_patches().len();
+        let each: Vec<f64> = (0..pieces).map(|piece| 1.0 + piece as f64).collect();
+        let of = |chord: Vec<f64>| Deviation::of_proxy(&Interpolation::of(&model), &[chord], 0.25);
+        let (one, all) = (of(each), of(vec![0.5]));
+        assert_eq!((one.chord_at(0, pieces - 1), all.chord_at(0, pieces - 1)), (pieces as f64, 0.5));
+        let both = one.either(&all).either(&Deviation::exact());
+        assert_eq!(both.chord_at(0, 2), 3.5);
+        assert_eq!(both.attribute_at(0, 2), 2.0 * one.attribute_at(0, 2));
+        assert_eq!(both.limit_px, 1.0 + EXACT_MULTIPLE * EXACT_PX);
+        assert_eq!(Deviation::exact().chord_at(0, 2), 0.0);
+    }
+}
