@@ -80,9 +80,7 @@ fn scaling_by_other_factors_changes_what_rounding_does() {
 fn rectangle([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> Loop {
     let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]].map(DVec2::from_array).to_vec();
     let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0]).unwrap();
-    let trim =
-        Trim { knots, points: corners, weights: None, reversed: false, seam: false, degenerate: false, edge: None };
-    Loop { outer: true, trims: vec![trim] }
+    Loop { outer: true, trims: vec![Trim::new(knots, corners, None)] }
 }
 
 /// A plane of `side` × `side` spans over the unit square.
@@ -126,7 +124,7 @@ fn two_thousand_faces_share_a_surface_of_many_spans() {
 #[test]
 fn a_metric_that_is_not_finite_is_near_to_nothing_at_once() {
     let face = Face { loops: vec![rectangle([0.25, 0.25], [0.75, 0.75])], ..Face::whole(0) };
-    let region = Region::new(0, &face, &plane(1)).unwrap().unwrap();
+    let region = Region::new(0, &face, &plane(1), 0.0).unwrap().unwrap();
     let classifier = Classifier::new(&region);
     for bad in [f64::NAN, f64::INFINITY] {
         assert!(!classifier.is_at_edge(DVec2::splat(0.5), DVec2::new(1.0, bad), 1e-9));
