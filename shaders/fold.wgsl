@@ -1,7 +1,7 @@
 // Where a ray that met a piece near a fold, or passed it there, may meet it again. Twin of
 // crates/pipeline/src/newton/fold.rs.
 
-const QUEUE: u32 = 14u;
+const QUEUE: u32 = 19u;
 const SAMPLES: u32 = 8u;
 const ASIDE: f32 = 1.0 / 16.0;
 const SHORT: f32 = 1.0 / 8.0;

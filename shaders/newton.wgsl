@@ -70,6 +70,7 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
     }
     let given = queue.count;
     var before = vec2<f32>(GREATEST);
+    var restarted = false;
     var best = Outcome(MISS, vec2<f32>(), 0.0);
     for (var k = 0u; k < queue.count; k++) {
         let end = search(piece, s, queue.seeds[k]);
@@ -78,6 +79,15 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
             && (!TRIMMED || is_shown(faces[piece.face], footprint_of(piece, end.at, next.uv)));
         if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
             best = next;
+        }
+        if (k < given && !restarted && (end.at.w <= 0.0 || next.status == UNCONVERGED)) {
+            restarted = true;
+            let size = extent(piece);
+            push(&queue, piece.rectangle.xy + vec2<f32>(0.5, 0.5) * size);
+            push(&queue, piece.rectangle.xy + vec2<f32>(0.125, 0.125) * size);
+            push(&queue, piece.rectangle.xy + vec2<f32>(0.125, 0.875) * size);
+            push(&queue, piece.rectangle.xy + vec2<f32>(0.875, 0.125) * size);
+            push(&queue, piece.rectangle.xy + vec2<f32>(0.875, 0.875) * size);
         }
         if (k < given && end.at.w > 0.0 && is_edge_on(end.at) && !near(piece, end.at.uv, before, ONE_END)) {
             again(piece, s, end.at, next.status == HIT, &queue);
@@ -228,11 +238,10 @@ fn patience(piece: PieceRecord, at: Place, promised: bool) -> u32 {
 }
 
 fn stopped(piece: PieceRecord, at: Place, settled: bool) -> Outcome {
-    let on_ray = at.squared <= at.rounding_squared;
-    if (at.w > 0.0 && on_ray) {
+    if (at.w > 0.0 && at.squared <= at.rounding_squared) {
         return arrived(piece, at, vec2<f32>());
     }
-    return Outcome(select(UNCONVERGED, MISS, settled && (at.w > 0.0 || on_ray)), at.uv, 0.0);
+    return Outcome(select(UNCONVERGED, MISS, settled), at.uv, 0.0);
 }
 
 fn arrived(piece: PieceRecord, at: Place, step: vec2<f32>) -> Outcome {

@@ -68,12 +68,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let shading = args.shade.shading();
     let shows = args.out.is_some() || (args.gbuffer.is_none() && terminal::is_terminal());
     let bar = (count > 1).then(|| terminal::progress("samples", count));
-    let (mut covered, mut pictures) = (0, vec![]);
+    let (mut covered, mut open, mut pictures) = (0, 0, vec![]);
     each_sample(args, &model, camera, viewport, |camera, buffer| {
         if let Some(path) = paths.as_mut().and_then(Iterator::next) {
             buffer.write_npz(path)?;
         }
         covered += buffer.covered();
+        open += buffer.undecided();
         if shows {
             let picture = buffer.shaded(&shading, &model, camera)?;
             pictures.push(if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture });
@@ -82,6 +83,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         Ok(())
     })?;
     drop(bar);
+    if open > 0 {
+        terminal::note(format_args!("warning: {open} pixels have no answer: their searches did not converge"));
+    }
     if shows {
         let mut picture = Picture::average(&pictures)?;
         if let Some(legend) = shading.legend(viewport.height()).filter(|_| args.legend) {

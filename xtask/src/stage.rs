@@ -190,6 +190,12 @@ impl<'m> Stage<'m> {
             Technique::Fragment => Proxy::tessellated(model, &scene, &camera, viewport, plan.chord_px)?,
             Technique::Exact => Proxy::hulls(model, &scene, &camera, viewport)?,
         });
+        if proxy.built_px > plan.chord_px {
+            let (asked, kept, triangles) = (plan.chord_px, proxy.built_px, proxy.triangles());
+            terminal::note(format_args!(
+                "note: a chord error of {asked} px takes too many triangles from here; {triangles} keep to {kept} px"
+            ));
+        }
         let views = scene.views(model, &camera, viewport);
         let interpolation = Interpolation::of(model);
         Ok(Self { model, camera, viewport, plan, scene, proxy, views, interpolation })

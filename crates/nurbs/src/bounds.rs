@@ -93,11 +93,17 @@ impl DerivativeBounds {
 /// that gives away shrinks with the part.
 const RATIONAL_PARTS: usize = 4;
 
+/// A part whose weights vary by more than this is halved both ways, up to [`WEIGHT_HALVINGS`] times.
+const WEIGHTS_VARY: f64 = 1.5;
+
+/// See [`WEIGHTS_VARY`].
+const WEIGHT_HALVINGS: u32 = 4;
+
 impl BezierPatch {
     /// Bounds of all first and second derivatives over the patch.
     ///
     /// A polynomial patch is bounded by differences of its control points, exactly where they are extreme at corners;
-    /// a rational one with varying weights in 4 × 4 parts.
+    /// a rational one with varying weights in 4 × 4 parts, and in more where the weights of a part vary much.
     pub fn derivative_bounds(&self) -> DerivativeBounds {
         if self.control.iter().all(|c| c.w == self.control[0].w) {
             return self.bounds_of_whole();
@@ -117,12 +123,24 @@ impl BezierPatch {
         for mut column in columns {
             for v in cuts(self.domain[1]) {
                 let [low, high] = column.split_v(v);
-                bounds = bounds.max(low.bounds_of_whole());
+                bounds = bounds.max(low.bounds_of_part(WEIGHT_HALVINGS));
                 column = high;
             }
-            bounds = bounds.max(column.bounds_of_whole());
+            bounds = bounds.max(column.bounds_of_part(WEIGHT_HALVINGS));
         }
         bounds
+    }
+
+    /// Bounds over a part that may be halved so many times.
+    fn bounds_of_part(&self, halvings: u32) -> DerivativeBounds {
+        let (least, most) =
+            self.control.iter().fold((f64::INFINITY, 0.0f64), |(least, most), c| (least.min(c.w), most.max(c.w)));
+        if halvings == 0 || most <= WEIGHTS_VARY * least {
+            return self.bounds_of_whole();
+        }
+        let [u, v] = self.domain.map(|[start, end]| 0.5 * (start + end));
+        let quarters = self.split_u(u).into_iter().flat_map(|half| half.split_v(v));
+        quarters.map(|part| part.bounds_of_part(halvings - 1)).fold(DerivativeBounds::default(), DerivativeBounds::max)
     }
 
     /// Differences of control points bound the derivatives of a Bézier patch. For a rational one the quotient rule

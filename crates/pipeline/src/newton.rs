@@ -7,7 +7,8 @@
 //! * **Seeds.** The ray enters and leaves the piece's hull; at both places the piece, taken as flat, says (u, v). Where
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
 //!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
-//!   that is seen edge-on, `fold` says where the ray may meet the piece again, and more searches begin there.
+//!   that is seen edge-on, `fold` says where the ray may meet the piece again, and more searches begin there; where it ends
+//!   behind the eye or without an answer, at [`RESTARTS`].
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
 //!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
@@ -23,8 +24,8 @@
 //!   [patience](PieceRecord::patience). Where no step comes nearer, for all is within what f32 leaves of S and of the
 //!   parameters ([`ROUNDING`]), the place is as good as any. Or after [`EVALUATIONS`].
 //! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] of its border, between the near
-//!   and the far plane. A miss where it lies beyond, or where no step promised enough, in front of the eye. Anything else has
-//!   not converged, and says so.
+//!   and the far plane. A miss where it lies beyond, or where no step promised enough. Anything else has not converged, and
+//!   says so.
 
 mod fold;
 
@@ -92,6 +93,9 @@ pub const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
 
 /// Two searches that end nearer to each other than this share of the piece have ended at one place.
 pub const ONE_END: f32 = 1.0 / 64.0;
+
+/// Where a search from a seed of the hull ends behind the eye, or without an answer, others begin at these shares of the piece.
+pub const RESTARTS: [[f32; 2]; 5] = [[0.5, 0.5], [0.125, 0.125], [0.125, 0.875], [0.875, 0.125], [0.875, 0.875]];
 
 /// Weight of the damping then, as a share of the squared columns.
 pub const DAMPING: f32 = 1.0 / 1048576.0;
@@ -239,6 +243,7 @@ impl Problem<'_> {
         let face = &self.scene.faces[self.piece.face as usize];
         let given = queue.count;
         let mut before = [f32::MAX; 2];
+        let mut restarted = false;
         let mut best = Outcome::Miss;
         let mut k = 0;
         while k < queue.count {
@@ -251,6 +256,12 @@ impl Problem<'_> {
                 (Outcome::Miss, Outcome::Unconverged) => end.outcome,
                 _ => best,
             };
+            if k < given && !restarted && (end.at.w <= 0.0 || matches!(end.outcome, Outcome::Unconverged)) {
+                restarted = true;
+                for [s, t] in RESTARTS {
+                    queue.push([0, 1].map(|k| self.piece.rectangle[k] + [s, t][k] * extent[k]));
+                }
+            }
             if k < given && end.at.w > 0.0 && is_edge_on(&end.at) && !near(end.at.uv, before, ONE_END) {
                 let is_met = matches!(end.outcome, Outcome::Hit { .. });
                 fold::again::<CAPACITY>(self, &end.at, is_met, &mut queue);
@@ -401,10 +412,9 @@ fn patience(piece: &PieceRecord, at: &Place, promised: bool) -> u32 {
 /// What it means to end at a place from which no step comes nearer (`settled`), or none was left to try.
 #[inline]
 fn stopped(piece: &PieceRecord, at: &Place, settled: bool) -> Outcome {
-    let on_ray = at.squared <= at.rounding_squared;
-    if at.w > 0.0 && on_ray {
+    if at.w > 0.0 && at.squared <= at.rounding_squared {
         arrived(piece, at, [0.0; 2])
-    } else if settled && (at.w > 0.0 || on_ray) {
+    } else if settled {
         Outcome::Miss
     } else {
         Outcome::Unconverged

@@ -180,7 +180,15 @@ fn what_a_report_says_of_itself_is_not_believed() {
         &[&named[..], &["40 pixels differ"]].concat(),
     );
     refused(&of_pair(&|pair| pair.differing = 40), &[&named[..], &["40 pixels differ, by causes 0"]].concat());
-    refused(&of_pair(&|pair| pair.unbounded = pair.covered), &[&named[..], &["without a bound"]].concat());
+    refused(&of_pair(&|pair| pair.unbounded = pair.covered), &[&named[..], &["no bound, by reasons 0"]].concat());
+    refused(
+        &of_pair(&|pair| {
+            pair.unbounded = pair.covered / 2;
+            pair.unbounded_causes = [("normal without a bound in f32".to_owned(), pair.unbounded)].into();
+        }),
+        &[&named[..], &["no useful bound"]].concat(),
+    );
+    refused(&of_pair(&|pair| pair.unanswered = 1), &[&named[..], &["no answer"]].concat());
     refused(&of_pair(&|pair| pair.causes = [("undecided".to_owned(), 99)].into()), &["undecided"]);
     refused(
         &of_pair(&|pair| {
@@ -189,7 +197,7 @@ fn what_a_report_says_of_itself_is_not_believed() {
             pair.ambiguous = 0;
             pair.coverage = [0, 0, 64 * 64];
         }),
-        &[&named[..], &["nobody covers"]].concat(),
+        &[&named[..], &["nothing was compared"]].concat(),
     );
     refused(&of_pair(&|pair| pair.covered = usize::MAX), &["covered"]);
     refused(&of_pair(&|pair| pair.coverage = [usize::MAX; 3]), &["coverage"]);

@@ -4,7 +4,7 @@ use super::*;
 use scene::{Camera, FaceId, Model, Viewport};
 
 fn planned(model: &Model, options: &MaskOptions) -> Result<MaskPlan, MaskError> {
-    let viewport = Viewport::new(256, 256).expect("a legal size");
+    let viewport = Viewport::new(128, 128).expect("a legal size");
     MaskPlan::new(model, &Camera::framing(model, viewport), viewport, options)
 }
 

@@ -7,10 +7,11 @@
 //! its values and slopes at the start and where the curve leaves the piece. Where the cubic changes its sign, the next
 //! search begins; a root that is known already is divided out before.
 
-use super::{BEYOND, Place, Problem, extent, searched};
+use super::{BEYOND, Place, Problem, RESTARTS, extent, searched};
 
-/// Room for the two seeds that the hull gives and, for the end of each, the three roots of the cubics on either side.
-pub const QUEUE: usize = 2 + 2 * 2 * 3;
+/// Room for the two seeds that the hull gives and, for the end of each, the three roots of the cubics on either side; and for the
+/// restarts.
+pub const QUEUE: usize = 2 + 2 * 2 * 3 + RESTARTS.len();
 
 /// Parts into which the curve between the start and its end is cut: two roots in one of them are not told apart.
 pub const SAMPLES: u32 = 8;
