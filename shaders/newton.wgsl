@@ -16,6 +16,7 @@ const PATIENCE: u32 = 4u;
 const PATIENCE_EDGE_ON: u32 = 1u;
 const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
 const ONE_END: f32 = 1.0 / 64.0;
+const LARGE_PX: f32 = 1024.0;
 const DAMPING: f32 = 1.0 / 1048576.0;
 
 const HIT: u32 = 0u;
@@ -80,7 +81,8 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
         if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
             best = next;
         }
-        if (k < given && !restarted && (end.at.w <= 0.0 || next.status == UNCONVERGED)) {
+        let missed = next.status == MISS && (end.at.w <= 0.0 || end.at.side_squared > LARGE_PX * LARGE_PX);
+        if (k < given && !restarted && (missed || next.status == UNCONVERGED)) {
             restarted = true;
             let size = extent(piece);
             push(&queue, piece.rectangle.xy + vec2<f32>(0.5, 0.5) * size);
@@ -252,7 +254,7 @@ fn arrived(piece: PieceRecord, at: Place, step: vec2<f32>) -> Outcome {
     let back = (inside - uv) / size;
     let away = moved(at, back);
     let depth = at.depth.x + at.depth.y * (step.x + back.x) + at.depth.z * (step.y + back.y);
-    let near = dot(away, away) <= NEAR_PX * NEAR_PX;
+    let near = dot(away, away) <= max(NEAR_PX * NEAR_PX, at.rounding_squared);
     return Outcome(select(MISS, HIT, near && depth >= 0.0 && depth <= 1.0), inside, depth);
 }
 

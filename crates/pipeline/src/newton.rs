@@ -8,7 +8,7 @@
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
 //!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
 //!   that is seen edge-on, `fold` says where the ray may meet the piece again, and more searches begin there; where it ends
-//!   behind the eye or without an answer, at [`RESTARTS`].
+//!   behind the eye, without an answer, or without a hit of a large piece, at [`RESTARTS`].
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
 //!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
@@ -23,7 +23,7 @@
 //!   ([`NEAR_FOLD_PX`]), and where a collapsed edge twists the piece, the search has some
 //!   [patience](PieceRecord::patience). Where no step comes nearer, for all is within what f32 leaves of S and of the
 //!   parameters ([`ROUNDING`]), the place is as good as any. Or after [`EVALUATIONS`].
-//! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] of its border, between the near
+//! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] (or what f32 leaves) of its border, between the near
 //!   and the far plane. A miss where it lies beyond, or where no step promised enough. Anything else has not converged, and
 //!   says so.
 
@@ -94,7 +94,11 @@ pub const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
 /// Two searches that end nearer to each other than this share of the piece have ended at one place.
 pub const ONE_END: f32 = 1.0 / 64.0;
 
-/// Where a search from a seed of the hull ends behind the eye, or without an answer, others begin at these shares of the piece.
+/// A piece whose longer side measures more than this, in pixels, is seen from so near that its picture is far from flat.
+pub const LARGE_PX: f32 = 1024.0;
+
+/// Where a search from a seed of the hull ends behind the eye, or misses a [large](LARGE_PX) piece, or has no answer, others begin at
+/// these shares of the piece.
 pub const RESTARTS: [[f32; 2]; 5] = [[0.5, 0.5], [0.125, 0.125], [0.125, 0.875], [0.875, 0.125], [0.875, 0.875]];
 
 /// Weight of the damping then, as a share of the squared columns.
@@ -256,7 +260,12 @@ impl Problem<'_> {
                 (Outcome::Miss, Outcome::Unconverged) => end.outcome,
                 _ => best,
             };
-            if k < given && !restarted && (end.at.w <= 0.0 || matches!(end.outcome, Outcome::Unconverged)) {
+            let is_doubtful = match end.outcome {
+                Outcome::Hit { .. } => false,
+                Outcome::Miss => end.at.w <= 0.0 || end.at.side_squared > LARGE_PX * LARGE_PX,
+                Outcome::Unconverged => true,
+            };
+            if k < given && !restarted && is_doubtful {
                 restarted = true;
                 for [s, t] in RESTARTS {
                     queue.push([0, 1].map(|k| self.piece.rectangle[k] + [s, t][k] * extent[k]));
@@ -431,7 +440,8 @@ fn arrived(piece: &PieceRecord, at: &Place, step: [f32; 2]) -> Outcome {
     let back = [0, 1].map(|k| (inside[k] - uv[k]) / extent[k]);
     let moved = moved(at, back);
     let depth = at.depth[0] + at.depth[1] * (step[0] + back[0]) + at.depth[2] * (step[1] + back[1]);
-    let near = moved[0] * moved[0] + moved[1] * moved[1] <= NEAR_PX * NEAR_PX;
+    // Two pieces that meet there may each be off by what f32 leaves.
+    let near = moved[0] * moved[0] + moved[1] * moved[1] <= (NEAR_PX * NEAR_PX).max(at.rounding_squared);
     if near && (0.0..=1.0).contains(&depth) { Outcome::Hit { uv: inside, depth } } else { Outcome::Miss }
 }
 

@@ -19,6 +19,13 @@ const TURN: f64 = 0.5;
 /// Halvings of a patch in each direction at most. A cusp never gets flat.
 const GREATEST_LEVEL: u32 = 4;
 
+/// Halvings in a direction along which weights vary by more than [`WEIGHTS_VARY`]: parameters run faster at one end of a piece by
+/// as much, and each halving takes the root of it.
+const GREATEST_LEVEL_BY_WEIGHTS: u32 = 8;
+
+/// See [`GREATEST_LEVEL_BY_WEIGHTS`].
+const WEIGHTS_VARY: f64 = 4.0;
+
 /// Growth of a hull, pixels: corners snap to 1/256 pixel, and a proxy is drawn again while its model turns.
 const GROW_PX: f64 = 1.0 / 16.0;
 
@@ -108,7 +115,11 @@ fn nearly_flat(patch: &BezierPatch) -> Vec<Part> {
     let mut rest = vec![(Part { patch: whole, rectangle: [[0.0, 1.0]; 2] }, [0u32; 2])];
     while let Some((part, level)) = rest.pop() {
         let turn = turns(&part.patch);
-        let cut = |k: usize| turn[k] > TURN && level[k] < GREATEST_LEVEL;
+        let varies = weights_vary(&part.patch);
+        let cut = |k: usize| {
+            (turn[k] > TURN && level[k] < GREATEST_LEVEL)
+                || (varies[k] > WEIGHTS_VARY && level[k] < GREATEST_LEVEL_BY_WEIGHTS)
+        };
         let middle = |k: usize| 0.5 * (part.patch.domain[k][0] + part.patch.domain[k][1]);
         let (halves, k) = if cut(0) && (turn[0] >= turn[1] || !cut(1)) {
             (part.patch.split_u(middle(0)), 0)
@@ -131,6 +142,19 @@ fn nearly_flat(patch: &BezierPatch) -> Vec<Part> {
         rest.extend(halves.rev().map(|half| (half, next)));
     }
     flat
+}
+
+/// The greatest ratio of two weights of a row along u, and of one along v.
+fn weights_vary(patch: &BezierPatch) -> [f64; 2] {
+    let [p, q] = patch.degree;
+    let ratio = |weights: &mut dyn Iterator<Item = f64>| {
+        let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(least, most), w| (least.min(w), most.max(w)));
+        most / least
+    };
+    let weight = |i: usize, j: usize| patch.control[i * (q + 1) + j].w;
+    let along_u = (0..=q).map(|j| ratio(&mut (0..=p).map(|i| weight(i, j)))).fold(1.0, f64::max);
+    let along_v = (0..=p).map(|i| ratio(&mut (0..=q).map(|j| weight(i, j)))).fold(1.0, f64::max);
+    [along_u, along_v]
 }
 
 /// Whether a derivative differs from its mean by more than [`TURN`] of its own least length somewhere.

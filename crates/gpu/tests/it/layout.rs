@@ -144,6 +144,7 @@ fn constants_have_the_same_values() {
         ("LAST_BEND_PX", newton::LAST_BEND_PX),
         ("PROMISE", newton::PROMISE),
         ("ROUNDING", newton::ROUNDING),
+        ("LARGE_PX", newton::LARGE_PX),
         ("INSIDE", newton::INSIDE),
         ("BEYOND", newton::BEYOND),
         ("EDGE_ON", newton::EDGE_ON),
