@@ -2,6 +2,7 @@
 
 use crate::format::Format;
 use crate::view::ModelArgs;
+use crate::{say, terminal};
 use anyhow::Result;
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
@@ -76,14 +77,14 @@ struct ModelInfo {
 pub fn run(args: &InfoArgs) -> Result<()> {
     if args.list {
         for (name, description) in formats::BUILTINS.iter().chain(formats::HARD).chain(formats::TRIMMED) {
-            println!("{name:20} {description}");
+            say!("{name:20} {description}")?;
         }
         return Ok(());
     }
     let model = args.model.open()?;
     match args.format {
-        Format::Json => println!("{}", serde_json::to_string_pretty(&describe(&model))?),
-        Format::Table => println!("{}", text(&model)),
+        Format::Json => terminal::json_lines(&describe(&model))?,
+        Format::Table => say!("{}", text(&model))?,
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! Trimming from the command line: by curves or by masks, how fine masks are, and what is said of them.
 
+use crate::number;
 use crate::stage::Stage;
 use clap::{Args, ValueEnum};
 use pipeline::mask::{MaskFill, MaskOptions, MaskQuality, Trimming};
@@ -11,12 +12,12 @@ const DEFAULT_MASK_PX: f64 = 0.5;
 /// How faces are trimmed.
 #[derive(Debug, Clone, Args)]
 pub struct TrimArgs {
-    /// How the rasterizers trim faces [default: exact; of a saved G-buffer: as it says]
+    /// How the rasterizers trim faces, and saved G-buffers may [default: exact]
     #[arg(long, value_enum)]
     trim: Option<TrimName>,
     /// With --trim texture: how far an edge may be off in the picture, from texels and chords together, pixels; of a saved
     /// G-buffer, the most that its masks may claim
-    #[arg(long, value_name = "PX", default_value_t = DEFAULT_MASK_PX, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PX", default_value_t = DEFAULT_MASK_PX, value_parser = number::error_px, allow_hyphen_values = true)]
     mask_px: f64,
     /// With --trim texture: the most memory of all masks together, MB of a million bytes; beyond it they are made coarser
     #[arg(long, value_name = "MB", default_value_t = 256)]
@@ -42,26 +43,10 @@ enum FillName {
     Earcut,
 }
 
-/// What saved G-buffers may say of their trims.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrimGrant {
-    /// Whether they are by masks, where the caller says so.
-    pub masked: Option<bool>,
-    /// The most that masks may be off, pixels.
-    pub mask_px: f64,
-}
-
-impl Default for TrimGrant {
-    /// Whatever a G-buffer says, with masks as fine as ours are unless asked otherwise.
-    fn default() -> Self {
-        Self { masked: None, mask_px: DEFAULT_MASK_PX }
-    }
-}
-
 impl TrimArgs {
-    /// What is granted to saved G-buffers.
-    pub fn grant(&self) -> TrimGrant {
-        TrimGrant { masked: self.trim.map(|trim| trim == TrimName::Texture), mask_px: self.mask_px }
+    /// How far off the masks of saved G-buffers may be, pixels; `None` where their trims must be exact.
+    pub fn masks_px(&self) -> Option<f64> {
+        (self.trim == Some(TrimName::Texture)).then_some(self.mask_px)
     }
 
     /// The same in the renderers' own words.

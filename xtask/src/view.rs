@@ -1,5 +1,6 @@
 //! What is drawn and from where, from the command line.
 
+use crate::number;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use glam::{DVec2, DVec3};
@@ -21,25 +22,25 @@ pub struct ModelArgs {
 #[derive(Debug, Clone, Args)]
 pub struct ViewArgs {
     /// Where the camera stands; without it, the model is framed from the front right, above
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
     pub eye: Option<Vec<f64>>,
     /// What it looks at [default: the centre of the model's box]
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
     pub target: Option<Vec<f64>>,
     /// What points upward in the picture
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
     pub up: Option<Vec<f64>>,
     /// Full vertical field of view, degrees [default: 40]
-    #[arg(long, value_name = "DEG", conflicts_with = "ortho", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", conflicts_with = "ortho", value_parser = number::field_of_view, allow_hyphen_values = true)]
     pub fov: Option<f64>,
     /// Orthographic view of this height, model units
-    #[arg(long, value_name = "HEIGHT", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HEIGHT", value_parser = number::positive, allow_hyphen_values = true)]
     pub ortho: Option<f64>,
     /// Depth of the near plane, model units [default: 1/1024 of the distance to the target; 0 with --ortho]
-    #[arg(long, value_name = "DEPTH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEPTH", value_parser = number::not_negative, allow_hyphen_values = true)]
     pub near: Option<f64>,
     /// The picture moved right and up in its own plane, in heights of the picture, as a photographer shifts a lens
-    #[arg(long, num_args = 2, value_names = ["RIGHT", "UP"], allow_negative_numbers = true)]
+    #[arg(long, num_args = 2, value_names = ["RIGHT", "UP"], value_parser = number::finite, allow_hyphen_values = true)]
     pub lens_shift: Option<Vec<f64>>,
     /// Size of the picture in pixels [default: 512x512]
     #[arg(long, value_name = "WxH")]
@@ -129,7 +130,10 @@ impl ViewArgs {
             (None, None) => framing.projection(),
         };
         let eye = vector(&self.eye).unwrap_or(framing.eye());
-        let target = vector(&self.target).unwrap_or_else(|| model.hull().center());
+        let target = vector(&self.target).unwrap_or_else(|| match self.eye {
+            Some(_) => model.hull().center(),
+            None => framing.target(),
+        });
         let up = vector(&self.up).unwrap_or(DVec3::Z);
         let shift = self.lens_shift.as_ref().map_or(DVec2::ZERO, |shift| DVec2::new(shift[0], shift[1]));
         let camera = Camera::look_at(eye, target, up, projection)?.with_lens_shift(shift)?;

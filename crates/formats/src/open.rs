@@ -2,9 +2,8 @@
 
 use crate::error::shorten;
 use crate::{FormatError, bpt, json};
+use files::ReadError;
 use scene::{Model, escaped};
-use std::fs::{self, File};
-use std::io::Read;
 use std::path::Path;
 
 /// The largest file that is opened, in bytes: 1 GiB.
@@ -38,24 +37,14 @@ pub fn read(path: impl AsRef<Path>) -> Result<Model, FormatError> {
 }
 
 fn read_text(path: &Path, file: &str) -> Result<String, FormatError> {
-    let io = |cause| FormatError::Io { file: file.to_owned(), cause };
-    let too_large = |bytes| FormatError::TooLarge { file: file.to_owned(), bytes, limit: MAX_FILE_BYTES };
-    // Asked before opening: to open a pipe can wait for ever.
-    let metadata = fs::metadata(path).map_err(io)?;
-    if !metadata.is_file() {
-        return Err(FormatError::NotAFile { file: file.to_owned() });
-    }
-    if metadata.len() > MAX_FILE_BYTES {
-        return Err(too_large(metadata.len()));
-    }
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
-    // The limit holds again here, for a file that grows meanwhile or does not know its size.
-    File::open(path).map_err(io)?.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(too_large(bytes.len() as u64));
-    }
+    let file = || file.to_owned();
+    let bytes = files::read(path, MAX_FILE_BYTES).map_err(|error| match error {
+        ReadError::Io(cause) => FormatError::Io { file: file(), cause },
+        ReadError::NotAFile => FormatError::NotAFile { file: file() },
+        ReadError::TooLarge { bytes, limit } => FormatError::TooLarge { file: file(), bytes, limit },
+    })?;
     String::from_utf8(bytes).map_err(|error| {
         let offset = error.utf8_error().valid_up_to();
-        FormatError::NotText { file: file.to_owned(), offset, value: error.as_bytes()[offset] }
+        FormatError::NotText { file: file(), offset, value: error.as_bytes()[offset] }
     })
 }

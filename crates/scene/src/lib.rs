@@ -4,6 +4,7 @@
 mod camera;
 mod edges;
 mod error;
+mod extent;
 mod face;
 mod model;
 mod name;

@@ -3,7 +3,9 @@
 //! `report.json` is the one source of the table, the JUnit file and the HTML page. Whether a run is complete is never
 //! stored: it follows from what was planned and what is there, so that a run that was killed says so by itself.
 
-use super::corpus::{CaseKey, Shard, Suite};
+use super::corpus::{CaseKey, SceneInfo, Shard, Suite};
+use super::wrong::Vacuity;
+use crate::output;
 use anyhow::{Context, Result, bail};
 use compare::{Histogram, PairReport, Verdict};
 use gbuffer::{GBuffer, Hit};
@@ -14,8 +16,11 @@ use std::path::Path;
 /// Marks a document of this kind.
 pub const SCHEMA: &str = "isophote-conform";
 
-/// Version of the document's layout, `testdata/schema/conform-1.json`.
-pub const SCHEMA_VERSION: u32 = 1;
+/// Version of the document's layout, `testdata/schema/conform-2.json`.
+pub const SCHEMA_VERSION: u32 = 2;
+
+/// The largest report that is read, bytes: 1 GiB. That of the full suite, with its pictures, is far below.
+pub const MAX_BYTES: u64 = 1 << 30;
 
 /// How many differing pixels of a pair are kept with the values of their stages.
 const WORST_KEPT: usize = 12;
@@ -36,6 +41,8 @@ pub struct Report {
     pub shard: Shard,
     /// The runs that this comes from: one, or those merged.
     pub sources: Vec<Source>,
+    /// [`Corpus::hash`](super::corpus::Corpus::hash) of what was run: by it a report of other models or views is told.
+    pub corpus: String,
     /// The scenes of the suite.
     pub scenes: Vec<SceneInfo>,
     /// Every case of the whole suite, in its order.
@@ -60,20 +67,6 @@ pub struct Source {
     pub started_unix: u64,
     /// [`Subject::id`] of those it judged.
     pub subjects: Vec<String>,
-}
-
-/// A scene of the suite.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SceneInfo {
-    /// Its name.
-    pub name: String,
-    /// Name of its model.
-    pub model: String,
-    /// What it stresses.
-    pub stresses: String,
-    /// The share of covered pixels that may have no bound.
-    pub unbounded_share: f64,
 }
 
 /// A renderer that is judged: the CPU rasterizer, or the GPU program on an adapter.
@@ -128,6 +121,9 @@ pub struct Outcome {
     pub seconds: f64,
     /// Its comparisons with the other renderers.
     pub pairs: Vec<Pair>,
+    /// What the judge makes of pictures made wrong of its own, where the suite tries that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wrong: Option<Vacuity>,
     /// Its picture as a `data:` URI, where pictures are kept.
     pub picture: Option<String>,
     /// Why it could not be judged.
@@ -162,8 +158,14 @@ pub struct Pair {
     pub differing: usize,
     /// Differing and undecided pixels by cause.
     pub causes: BTreeMap<String, usize>,
-    /// Covered pixels whose normal has no bound.
+    /// Covered pixels without a verdict for want of a bound.
     pub unbounded: usize,
+    /// The same by reason.
+    #[serde(default)]
+    pub unbounded_causes: BTreeMap<String, usize>,
+    /// Pixels among `causes` for which the candidate says that it has no answer, as a few may: they do not differ.
+    #[serde(default)]
+    pub unanswered: usize,
     /// Pixels where f32 leaves a decision open.
     pub ambiguous: usize,
     /// Pixels in which the candidate's search for a root did not converge.
@@ -172,7 +174,7 @@ pub struct Pair {
     pub coverage: [usize; 3],
     /// The largest distance across the ray, pixels, and the bound there; none where it is infinite.
     pub across_px: [Option<f64>; 2],
-    /// The largest bound of any covered pixel, pixels; none where a pixel has no bound.
+    /// The largest bound of any agreeing pixel with all that belongs to it, pixels.
     pub greatest_bound_px: Option<f64>,
     /// Budget of the position, the normal and the curvatures.
     pub position: Budget,
@@ -282,6 +284,8 @@ impl Pair {
             differing: found.differing(),
             causes: found.causes.iter().map(|(cause, count)| (cause.label().to_owned(), *count)).collect(),
             unbounded: found.unbounded,
+            unbounded_causes: found.reasons().into_iter().map(|(why, count)| (why.label().to_owned(), count)).collect(),
+            unanswered: found.counts().unanswered,
             ambiguous: found.ambiguous,
             unconverged: found.unconverged,
             coverage: [found.coverage.full, found.coverage.partial, found.coverage.none],
@@ -302,9 +306,10 @@ impl Pair {
 }
 
 impl Outcome {
-    /// Whether it agrees.
+    /// Whether it agrees, and no picture made wrong of its own does.
     pub fn state(&self) -> State {
-        match (&self.error, self.pairs.iter().all(|pair| pair.agree)) {
+        let is_judged = self.wrong.as_ref().is_none_or(|wrong| wrong.missed.is_empty());
+        match (&self.error, is_judged && self.pairs.iter().all(|pair| pair.agree)) {
             (Some(_), _) => State::NotRun,
             (None, true) => State::Agree,
             (None, false) => State::Differ,
@@ -346,14 +351,15 @@ impl Report {
         self.outcomes(&subject.id).map(|(_, outcome)| outcome.state()).max().unwrap_or(State::NotRun)
     }
 
-    /// Whether everything agrees; notes are of what should not have been.
+    /// Whether everything agrees; notes are of what should not have been. The CPU rasterizer alone is no answer.
     pub fn state(&self) -> State {
-        let broken = self.cases.iter().any(|case| case.error.is_some()) || !self.notes.is_empty();
+        let alone = self.subjects.iter().all(|subject| subject.kind == "cpu");
+        let broken = alone || self.cases.iter().any(|case| case.error.is_some()) || !self.notes.is_empty();
         let worst = self.subjects.iter().map(|subject| self.state_of(subject)).max().unwrap_or(State::NotRun);
         if broken { State::NotRun } else { worst }
     }
 
-    /// Reads a report.
+    /// Reads a report from a regular file of at most [`MAX_BYTES`]; [`check`](super::check::check) says whether to believe it.
     ///
     /// # Errors
     /// Where it cannot be read, is cut off or damaged, or is another kind or version of document; the file is named.
@@ -364,7 +370,7 @@ impl Report {
             schema_version: Option<u32>,
         }
         let file = || path.display().to_string();
-        let bytes = std::fs::read(path).with_context(file)?;
+        let bytes = files::read(path, MAX_BYTES).with_context(file)?;
         let head: Head = serde_json::from_slice(&bytes).map_err(|error| {
             let what = if error.is_eof() { "cut off" } else { "not JSON of a report" };
             anyhow::anyhow!("{}: {what}: {error}", file())
@@ -378,31 +384,7 @@ impl Report {
             ),
             _ => bail!("{}: not a conformance report: schema is not {SCHEMA:?}", file()),
         }
-        let report: Self = serde_json::from_slice(&bytes).with_context(|| format!("{}: damaged", file()))?;
-        report.check().with_context(|| format!("{}: damaged", file()))?;
-        Ok(report)
-    }
-
-    /// Whether its parts refer to each other as they should.
-    fn check(&self) -> Result<()> {
-        let planned: BTreeSet<&CaseKey> = self.planned.iter().collect();
-        let subjects: BTreeSet<&str> = self.subjects.iter().map(|subject| subject.id.as_str()).collect();
-        let mut seen = BTreeSet::new();
-        if self.shard.index < 1 || self.shard.index > self.shard.count {
-            bail!("shard {}", self.shard);
-        }
-        for case in &self.cases {
-            if !planned.contains(&case.key) || !seen.insert(&case.key) {
-                bail!("case {} is not planned, or there twice", case.key);
-            }
-            let mut once = BTreeSet::new();
-            for outcome in &case.outcomes {
-                if !subjects.contains(outcome.subject.as_str()) || !once.insert(&outcome.subject) {
-                    bail!("case {}: {} is not a subject, or there twice", case.key, outcome.subject);
-                }
-            }
-        }
-        Ok(())
+        serde_json::from_slice(&bytes).with_context(|| format!("{}: damaged", file()))
     }
 
     /// Writes `report.json` whole or not at all: what was there before stays until the new one is complete.
@@ -411,17 +393,6 @@ impl Report {
     /// Where the folder cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let text = serde_json::to_vec(self)?;
-        write_atomically(&folder.join("report.json"), &text)
+        output::write(&folder.join("report.json"), &text)
     }
-}
-
-/// Writes beside the file and renames.
-///
-/// # Errors
-/// Where either fails; the file is named.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    let beside = path.with_extension("part");
-    let name = || path.display().to_string();
-    std::fs::write(&beside, bytes).with_context(name)?;
-    std::fs::rename(&beside, path).with_context(name)
 }

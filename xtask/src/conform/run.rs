@@ -1,8 +1,9 @@
 //! A run: each case rendered by ray caster and CPU rasterizer once, by each adapter, and compared in all pairs.
 
-use super::corpus::{Scene, Shard, Suite, Viewpoint, command_options};
+use super::corpus::{Corpus, Scene, Shard, Suite, Viewpoint, command_options};
 use super::pictures::data_uri;
-use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, SceneInfo, Source, Subject};
+use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
+use super::wrong::Vacuity;
 use crate::compare::pictures::difference;
 use crate::stage::{Plan, Stage};
 use crate::terminal;
@@ -10,6 +11,7 @@ use anyhow::{Context, Result};
 use compare::PairReport;
 use gbuffer::{GBuffer, ShadeKind, Shading};
 use gpu::GpuError;
+use pipeline::Scheme;
 use raycast::Caster;
 use scene::{Model, Viewport};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -80,11 +82,14 @@ pub fn host() -> String {
     format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH)
 }
 
+/// What the CPU rasterizer is called, and how its identity begins.
+pub const CPU: &str = "CPU rasterizer";
+
 /// The CPU rasterizer.
 fn cpu() -> Subject {
     Subject {
-        id: format!("CPU rasterizer | {}", host()),
-        name: "CPU rasterizer".to_owned(),
+        id: format!("{CPU} | {}", host()),
+        name: CPU.to_owned(),
         kind: "cpu".to_owned(),
         driver: String::new(),
         backend: String::new(),
@@ -127,9 +132,7 @@ impl Plans {
             started_unix: started,
             subjects: subjects.iter().map(|subject| subject.id.clone()).collect(),
         };
-        let keys = |scene: &'static Scene| {
-            self.views(scene).into_iter().map(move |(viewpoint, plan)| scene.key(viewpoint, plan))
-        };
+        let corpus = self.corpus();
         Report {
             schema: SCHEMA.to_owned(),
             schema_version: SCHEMA_VERSION,
@@ -137,20 +140,18 @@ impl Plans {
             suite: self.suite,
             shard: self.shard,
             sources: vec![source],
-            scenes: self.scenes.iter().map(|scene| scene_info(scene)).collect(),
-            planned: self.scenes.iter().flat_map(|scene| keys(scene)).collect(),
+            corpus: corpus.hash,
+            scenes: corpus.scenes,
+            planned: corpus.cases.into_iter().map(|case| case.key).collect(),
             subjects,
             cases: vec![],
             notes: vec![],
         }
     }
 
-    /// What is drawn of a scene, in order.
-    fn views(&self, scene: &Scene) -> Vec<(Viewpoint, Plan)> {
-        let viewpoints = self.suite.viewpoints(scene).iter();
-        viewpoints
-            .flat_map(|&viewpoint| self.suite.plans(scene).into_iter().map(move |plan| (viewpoint, plan)))
-            .collect()
+    /// What a report of this, of any of its shards, must be of.
+    pub fn corpus(&self) -> Corpus {
+        Corpus::new(self.suite, &self.scenes)
     }
 
     /// Runs it, adding to `report` and handing it to `keep` after each viewpoint of a scene.
@@ -180,7 +181,10 @@ impl Plans {
                 for (number, plan) in self.suite.plans(scene).into_iter().enumerate() {
                     bar.set_message(scene.name);
                     let pictured = number == 0 && viewpoint == scene.viewpoints[0];
-                    let case = Sitting { scene, model: &model, caster: &caster, raycast: &raycast, pictured };
+                    // The judge looks at values, not at the program that they come of.
+                    let tries_wrong = self.suite == Suite::Full && plan.scheme == Scheme::Specialised;
+                    let case =
+                        Sitting { scene, model: &model, caster: &caster, raycast: &raycast, pictured, tries_wrong };
                     case.judge(viewpoint, camera, plan, adapters, report);
                     bar.inc(1);
                     if stop.load(Ordering::Relaxed) {
@@ -194,19 +198,6 @@ impl Plans {
     }
 }
 
-fn scene_info(scene: &Scene) -> SceneInfo {
-    let stresses = match scene.beyond_exact {
-        None => scene.stresses.to_owned(),
-        Some(reason) => format!("{}; not drawn by technique exact: {reason}", scene.stresses),
-    };
-    SceneInfo {
-        name: scene.name.to_owned(),
-        model: scene.model.to_owned(),
-        stresses,
-        unbounded_share: scene.unbounded_share,
-    }
-}
-
 /// One case at work: what all renderers of it share.
 struct Sitting<'a> {
     scene: &'static Scene,
@@ -215,6 +206,8 @@ struct Sitting<'a> {
     raycast: &'a GBuffer,
     /// Whether pictures are kept even where all agree.
     pictured: bool,
+    /// Whether pictures made wrong of the CPU rasterizer's are judged, too.
+    tries_wrong: bool,
 }
 
 impl Sitting<'_> {
@@ -244,7 +237,14 @@ impl Sitting<'_> {
                 case.triangles = stage.proxy.triangles();
                 let started = Instant::now();
                 let raster = stage.raster();
-                case.outcomes.push(self.outcome(&stage, &report.subjects[0].id, &raster, None, started));
+                let mut outcome = self.outcome(&stage, &report.subjects[0].id, &raster, None, started);
+                if self.tries_wrong {
+                    match Vacuity::of(&stage, self.caster, self.raycast, &raster) {
+                        Ok(found) => outcome.wrong = Some(found),
+                        Err(error) => outcome.error = Some(format!("{error:#}")),
+                    }
+                }
+                case.outcomes.push(outcome);
                 for adapter in adapters {
                     let id = adapter.subject().id;
                     let subject = report.subjects.iter_mut().find(|s| s.id == id).expect("adapters are subjects");
@@ -258,6 +258,7 @@ impl Sitting<'_> {
                             subject: id,
                             seconds: started.elapsed().as_secs_f64(),
                             pairs: vec![],
+                            wrong: None,
                             picture: None,
                             error: Some(why),
                         }),
@@ -290,8 +291,14 @@ impl Sitting<'_> {
             }
             Ok(pairs)
         };
-        let mut outcome =
-            Outcome { subject: subject.to_owned(), seconds: 0.0, pairs: vec![], picture: None, error: None };
+        let mut outcome = Outcome {
+            subject: subject.to_owned(),
+            seconds: 0.0,
+            pairs: vec![],
+            wrong: None,
+            picture: None,
+            error: None,
+        };
         match compared() {
             Err(error) => outcome.error = Some(format!("{error:#}")),
             Ok(pairs) => {
