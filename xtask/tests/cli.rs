@@ -409,3 +409,36 @@ fn trim_edges_are_recorded_blended_and_judged_on_request() {
     assert!(edges(&with).is_some_and(|recorded| recorded > 10));
     refused(&["render", "islands", "--antialias", "trims", "--trim", "texture"], &["--antialias", "--trim texture"]);
 }
+
+/// A square twice, one of them with a gap of a third in its loop.
+fn half_bad() -> Value {
+    let line = |a: [f64; 2], b: [f64; 2]| json!({"degree": 1, "knots": [0, 0, 1, 1], "points": [a, b]});
+    let corners = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]];
+    let trims: Vec<Value> = (0..4).map(|i| line(corners[i], corners[(i + 1) % 4])).collect();
+    let mut model = square();
+    let good = json!({"surface": 0, "loops": [{"outer": true, "trims": trims}]});
+    let mut bad = good.clone();
+    bad["loops"][0]["trims"][2]["points"][0] = json!([0.5, 0.5]);
+    model["faces"] = json!([bad, good]);
+    model
+}
+
+#[test]
+fn a_bad_face_is_named_and_the_good_one_is_drawn_unless_strict() {
+    let path = file("half-bad.json", &half_bad().to_string());
+    let path = path.to_str().expect("UTF-8");
+    let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("half-bad.png");
+    let named = "left out: face 0, loop 0: ";
+    let render = ["render", path, "--size", "16x16", "--out", picture.to_str().expect("UTF-8")];
+    for arguments in [&["info", path][..], &render, &["eval", path]] {
+        let output = xtask(arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {message}");
+        assert!(message.contains(named) && message.contains("trim 2"), "{arguments:?}: {message}");
+        assert!(!text(&output.stdout).contains(named), "notes go to standard error");
+        refused(&[arguments, &["--strict"]].concat(), &[named, "--strict"]);
+    }
+    let info: Value = serde_json::from_slice(&xtask(&["info", path, "--format", "json"]).stdout).expect("JSON");
+    assert!(info["notes"][0].as_str().expect("a note").starts_with(named), "{}", info["notes"]);
+    assert_eq!((&info["faces"][0]["face"], &info["faces"][0]["number_in_file"]), (&json!(0), &json!(1)));
+}

@@ -21,8 +21,8 @@ pub struct SharedEdge {
     pub edge: i64,
     /// The faces of its trims, ascending; one face twice at a seam.
     pub faces: Vec<FaceId>,
-    /// The greatest distance of a point of one trim's curve in space from another's curve, model units, as far as
-    /// sampled. A gap or an overlap as wide is the model's own.
+    /// The greatest distance of a point of one trim's curve in space from that of the first, or the other way round,
+    /// model units, as far as sampled. A gap or an overlap as wide is the model's own.
     pub gap: f64,
 }
 
@@ -93,9 +93,9 @@ impl Model {
         let shared = sides.into_iter().filter(|(_, sides)| sides.len() > 1);
         shared
             .map(|(edge, sides)| {
-                let others = |i: usize| (0..sides.len()).filter(move |&j| j != i);
-                let pairs = (0..sides.len()).flat_map(|i| others(i).map(move |j| (i, j)));
-                let gap = pairs.map(|(i, j)| sides[i].gap(&sides[j])).fold(0.0, f64::max);
+                // Against the first alone: a file may give one number to all its edges.
+                let (first, others) = sides.split_first().expect("at least two sides");
+                let gap = others.iter().map(|side| side.gap(first).max(first.gap(side))).fold(0.0, f64::max);
                 SharedEdge { edge, faces: sides.iter().map(|side| side.face).collect(), gap }
             })
             .collect()

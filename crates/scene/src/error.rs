@@ -29,6 +29,16 @@ pub enum SceneError {
         /// Index of the loop in the face.
         boundary: usize,
     },
+    /// A face has more loops than are sorted.
+    #[error("face {face}: {loops} loops are more than the {limit} of a face")]
+    TooManyLoops {
+        /// Index of the face.
+        face: usize,
+        /// How many it has.
+        loops: usize,
+        /// The most.
+        limit: usize,
+    },
     /// A trim is not a NURBS curve: counts, points or weights are wrong.
     #[error("face {face}, loop {boundary}, trim {trim}: {cause}")]
     TrimCurve {

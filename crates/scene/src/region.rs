@@ -33,6 +33,9 @@ const GAP_FLOOR: f64 = 1e-7;
 /// and a gap that no vertex accounts for is closed up to it.
 const SMALL: f64 = 1e-3;
 
+/// The most loops of a face: each is asked in which of the others it lies.
+const MAX_LOOPS: usize = 1 << 14;
+
 /// How often a loop may be repeated where it leaves the domain of a closed surface: a spiral of 64 turns, say.
 const MAX_COPIES: usize = 64;
 
@@ -156,12 +159,16 @@ impl Region {
     /// it are rounding.
     ///
     /// # Errors
-    /// [`SceneError::EmptyLoop`], [`SceneError::TrimCurve`], [`SceneError::TrimGap`], [`SceneError::LoopPeriod`],
+    /// [`SceneError::TooManyLoops`], [`SceneError::EmptyLoop`], [`SceneError::TrimCurve`], [`SceneError::TrimGap`], [`SceneError::LoopPeriod`],
     /// [`SceneError::LoopReach`], [`SceneError::OddRings`], [`SceneError::TrimsCross`], [`SceneError::LoopOverlap`],
     /// [`SceneError::TrimWork`], [`SceneError::Nesting`], [`SceneError::NoMaterial`].
     pub fn new(index: usize, face: &Face, surface: &Surface, extent: f64) -> Result<Option<Self>, SceneError> {
         if face.loops.is_empty() {
             return Ok(None);
+        }
+        let (loops, limit) = (face.loops.len(), MAX_LOOPS);
+        if limit < loops {
+            return Err(SceneError::TooManyLoops { face: index, loops, limit });
         }
         let frame = Frame::new(index, face, surface, extent);
         let mut repairs = Repairs::default();

@@ -78,28 +78,34 @@ enum Around<'a> {
 
 /// In how many of the other loops a loop lies: what most points inside it say.
 fn depth(frame: &Frame, contour: &Contour, all: &[Contour], around: &Around) -> usize {
-    let holds = |other: &Contour, point: DVec2| {
-        let (a, b) = (contour.area.abs(), other.area.abs());
-        let is_larger = if (a - b).abs() <= EQUAL * b {
-            // Of two that are equal an outer loop holds a hole, else the one that is listed first.
-            let order = |c: &Contour| (!c.chain.outer, c.chain.source);
-            order(other) < order(contour)
-        } else {
-            a < b
-        };
-        is_larger && other.holds(point)
-    };
+    let holders: Vec<&Contour> = all.iter().filter(|other| may_hold(other, contour)).collect();
     let count = |point: DVec2| {
         let point = into_domain(frame, &contour.copies, point);
         let is_around = match around {
             Around::Whole => true,
             Around::Rings(rings) => rings.iter().map(|ring| winding(ring, point)).sum::<i32>() != 0,
         };
-        usize::from(is_around) + all.iter().filter(|other| holds(other, point)).count()
+        usize::from(is_around) + holders.iter().filter(|other| other.holds(point)).count()
     };
     let mut depths: Vec<usize> = contour.interior().into_iter().map(count).collect();
     depths.sort_unstable();
     depths.get(depths.len().saturating_sub(1) / 2).copied().unwrap_or(0)
+}
+
+/// Whether a loop is larger than another and stands about where that does.
+fn may_hold(other: &Contour, contour: &Contour) -> bool {
+    let is_repeated = [contour, other].iter().any(|c| c.copies != [DVec2::ZERO]);
+    let is_near = is_repeated || contour.chain.hull.meets(other.chain.hull);
+    is_near && {
+        let (a, b) = (contour.area.abs(), other.area.abs());
+        if (a - b).abs() <= EQUAL * b {
+            // Of two that are equal an outer loop holds a hole, else the one that is listed first.
+            let order = |c: &Contour| (!c.chain.outer, c.chain.source);
+            order(other) < order(contour)
+        } else {
+            a < b
+        }
+    }
 }
 
 /// The point moved by the first of `copies` that brings it into the domain.
