@@ -2,7 +2,7 @@
 
 use crate::basis::{Basis, basis, basis_derivatives_local, basis_local, binomial};
 use crate::blossom::{bezier_points, reexpress};
-use crate::bounds::Hull;
+use crate::bounds::{Hull, power_of_two};
 use crate::{BezierPatch, KnotVector, MAX_ORDER, NurbsError, basis_derivatives};
 use glam::{DVec2, DVec3, DVec4};
 
@@ -545,11 +545,6 @@ pub(crate) fn checked_weights(weights: Vec<f64>, expected: usize) -> Result<Vec<
     }
     let unit = power_of_two(greatest);
     Ok(weights.into_iter().map(|w| w / unit).collect())
-}
-
-/// The greatest power of two that is at most `x`, which is positive and finite; at least the smallest normal number.
-pub(crate) fn power_of_two(x: f64) -> f64 {
-    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 #[inline(always)]

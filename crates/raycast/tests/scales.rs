@@ -42,7 +42,9 @@ fn scaling_by_powers_of_two_changes_no_bit() {
     let mut hits = 0;
     for surface in (0..6).map(|_| random_net(&mut random)).chain([sphere(2.0, DVec3::new(0.5, 0.25, -1.0))]) {
         let plain = picture(scaled(&surface, 1.0, 1.0));
-        for (points, weights) in [(130, 0), (-130, 0), (190, 60), (-190, -60), (0, 1000), (0, -900), (3, 120)] {
+        for (points, weights) in
+            [(130, 0), (-130, 0), (190, 60), (-190, -60), (-540, 0), (0, 1000), (0, -900), (3, 120)]
+        {
             let [by_points, by_weights] = [points, weights].map(|exponent| 2f64.powi(exponent));
             for (a, b) in plain.iter().zip(picture(scaled(&surface, by_points, by_weights))) {
                 assert_eq!(a.is_some(), b.is_some(), "2^{points}, 2^{weights}");
