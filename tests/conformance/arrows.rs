@@ -6,10 +6,11 @@ use std::process::Command;
 
 /// Every arrow that may be drawn: a crate and those it may use.
 const ARROWS: &[(&str, &[&str])] = &[
+    ("files", &[]),
     ("nurbs", &[]),
     ("scene", &["nurbs"]),
-    ("formats", &["nurbs", "scene"]),
-    ("gbuffer", &["nurbs", "scene"]),
+    ("formats", &["files", "nurbs", "scene"]),
+    ("gbuffer", &["files", "nurbs", "scene"]),
     ("pipeline", &["nurbs", "scene", "gbuffer"]),
     ("raster", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("gpu", &["nurbs", "scene", "gbuffer", "pipeline"]),

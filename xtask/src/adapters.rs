@@ -1,6 +1,7 @@
 //! `adapters`: which GPUs there are.
 
 use crate::format::Format;
+use crate::{say, terminal};
 use anyhow::Result;
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
@@ -31,9 +32,9 @@ pub fn run(args: &AdaptersArgs) -> Result<()> {
                     })
                 })
                 .collect();
-            println!("{}", json!({ "adapters": list }));
+            terminal::json(&json!({ "adapters": list }))?;
         }
-        Format::Table if adapters.is_empty() => println!("none; a software one: {}", gpu::SOFTWARE_DRIVER),
+        Format::Table if adapters.is_empty() => say!("none; a software one: {}", gpu::SOFTWARE_DRIVER)?,
         Format::Table => {
             let mut table = Table::new();
             table.load_style(UTF8_FULL_CONDENSED);
@@ -42,7 +43,7 @@ pub fn run(args: &AdaptersArgs) -> Result<()> {
                 let driver = format!("{} {}", a.driver, a.driver_info);
                 table.add_row([a.name.clone(), format!("{:?}", a.kind), driver, a.backend.clone()]);
             }
-            println!("{table}");
+            terminal::table(&table)?;
         }
     }
     Ok(())

@@ -5,14 +5,16 @@ mod trimming;
 use crate::compare::DrawingArgs;
 use crate::format::Format;
 use crate::stage::{Plan, Stage};
+use crate::{say, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use compare::Verdict;
 use gbuffer::{ShadeKind, Shading};
 use glam::{DQuat, DVec3};
+use pipeline::eval::find_span;
 use pipeline::fragment::{Fragment, fragment_row};
-use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
+use pipeline::{DEFAULT_CHORD_PX, PackedScene, Parameters, Proxy, Scheme, Technique, View};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Ray, Viewport};
 use serde::Serialize;
@@ -101,7 +103,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         Ok(device) => Some(device),
         Err(error) if args.drawing.adapter.is_some() => return Err(error.into()),
         Err(error) => {
-            eprintln!("gpu not run: {error}");
+            terminal::note(format_args!("gpu not run: {error}"));
             None
         }
     };
@@ -187,10 +189,10 @@ pub fn run(args: &BenchArgs) -> Result<()> {
 fn print(args: &BenchArgs, adapter: Option<&str>, figures: &[Figure]) -> Result<()> {
     let threads = rayon::current_num_threads();
     if args.format == Format::Json {
-        println!("{}", serde_json::json!({ "adapter": adapter, "threads": threads, "figures": figures }));
+        say!("{}", serde_json::json!({ "adapter": adapter, "threads": threads, "figures": figures }))?;
         return Ok(());
     }
-    println!("gpu: {}; raster on {threads} threads; medians of {} rounds", adapter.unwrap_or("none"), args.rounds);
+    say!("gpu: {}; raster on {threads} threads; medians of {} rounds", adapter.unwrap_or("none"), args.rounds)?;
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header(["what", "median", "least", "greatest", "unit", "to compare with"]);
@@ -206,7 +208,7 @@ fn print(args: &BenchArgs, adapter: Option<&str>, figures: &[Figure]) -> Result<
             reference,
         ]);
     }
-    println!("{table}");
+    terminal::table(&table)?;
     Ok(())
 }
 
@@ -257,8 +259,16 @@ fn evaluate_f32(model: &Model, points: &[[f64; 2]]) -> Result<f64> {
     let scene = PackedScene::new(model, Scheme::Specialised)?;
     let mut uv: Vec<[f32; 2]> = points.iter().map(|uv| uv.map(|t| t as f32)).collect();
     // As a rasterizer meets them: one span after the other.
-    let [ku, kv] = scene.knots(&scene.faces[0]);
-    uv.sort_by_key(|uv| (ku.partition_point(|k| *k <= uv[0]), kv.partition_point(|k| *k <= uv[1])));
+    let starts = scene.starts(&scene.faces[0]);
+    uv.sort_by_key(|uv| [0, 1].map(|k| find_span(starts[k], uv[k])));
+    let uv: Vec<Parameters> = uv
+        .into_iter()
+        .map(|uv| {
+            let span = [0, 1].map(|k| find_span(starts[k], uv[k]) as u32);
+            let spans = scene.spans(&scene.faces[0], span);
+            Parameters { span, uv: [0, 1].map(|k| spans[k].local(uv[k])) }
+        })
+        .collect();
     let mut out: Vec<Fragment> = Vec::with_capacity(uv.len());
     let start = Instant::now();
     fragment_row(&scene, 0, &uv, false, &mut out);

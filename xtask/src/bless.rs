@@ -1,5 +1,6 @@
 //! `bless`: the goldens of the CPU rasterizer.
 
+use crate::say;
 use crate::stage::{Plan, Stage};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -84,7 +85,7 @@ pub fn run(args: &BlessArgs) -> Result<()> {
     for golden in chosen {
         let path = golden.path();
         golden.render(&golden.model())?.write_npz(&path)?;
-        println!("{}: {} bytes", golden.name, std::fs::metadata(&path)?.len());
+        say!("{}: {} bytes", golden.name, std::fs::metadata(&path)?.len())?;
     }
     Ok(())
 }

@@ -10,10 +10,12 @@ pub use saved::{Saved, SavedFile};
 use crate::antialias::Antialias;
 use crate::format::Format;
 use crate::masks::TrimArgs;
+use crate::number;
 use crate::stage::Plan;
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
-use anyhow::{Context, Result, bail};
+use crate::{output, say};
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use compare::UNBOUNDED_SHARE;
 use gbuffer::{Picture, ShadeKind, Shading};
@@ -43,6 +45,10 @@ pub struct CompareArgs {
     /// What saved G-buffers show, where that is no built-in model
     #[arg(long = "model", value_name = "MODEL")]
     of_model: Option<String>,
+    /// Refuse a model file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap
+    /// closed
+    #[arg(long)]
+    strict: bool,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -73,10 +79,10 @@ pub struct DrawingArgs {
     #[command(flatten)]
     trim: TrimArgs,
     /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are granted
-    #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, value_parser = number::error_px, allow_hyphen_values = true)]
     chord: f64,
     /// The share of covered pixels that may have a value without a bound in f32, as poles have; from 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE)]
+    #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE, value_parser = number::share, allow_hyphen_values = true)]
     unbounded: f64,
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
     #[arg(long, value_name = "NAME")]
@@ -174,7 +180,7 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     match (subjects.iter().copied().partition::<Vec<_>, _>(is_saved), &args.of_model) {
         ((files, models), _) if models.is_empty() => saved::run(args, &files),
         ((files, models), None) if files.is_empty() && models.len() == 1 => {
-            rendered::run(args, &ModelArgs { model: models[0].clone() })
+            rendered::run(args, &ModelArgs { model: models[0].clone(), strict: args.strict })
         }
         ((_, models), Some(_)) => {
             bail!("--model names what saved G-buffers (.npz) show, and {:?} is not one", models[0])
@@ -187,19 +193,23 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
 }
 
 /// Writes and shows a report with its pictures; `print` is what people read.
-fn answer(args: &CompareArgs, report: &impl Serialize, pictures: &Pictures, print: impl Fn()) -> Result<()> {
+fn answer(
+    args: &CompareArgs,
+    report: &impl Serialize,
+    pictures: &Pictures,
+    print: impl Fn() -> Result<()>,
+) -> Result<()> {
     if let Some(folder) = &args.out {
         pictures.write(folder)?;
-        let path = folder.join("report.json");
-        std::fs::write(&path, serde_json::to_string_pretty(report)?).with_context(|| path.display().to_string())?;
+        output::write_json(&folder.join("report.json"), report)?;
     }
     match args.format {
-        Format::Json => println!("{}", serde_json::to_string(report)?),
+        Format::Json => terminal::json(report)?,
         Format::Table => {
-            terminal::show(&Picture::beside(&pictures.views()?.iter().collect::<Vec<_>>()));
-            print();
+            terminal::show(&Picture::beside(&pictures.views()?.iter().collect::<Vec<_>>()))?;
+            print()?;
             if let Some(folder) = &args.out {
-                println!("pictures and report.json are in {}", folder.display());
+                say!("pictures and report.json are in {}", folder.display())?;
             }
         }
     }

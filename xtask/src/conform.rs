@@ -1,5 +1,6 @@
 //! `conform`: a portable corpus on each adapter, and one report of it for people, for CI systems and for a browser.
 
+pub mod check;
 pub mod corpus;
 pub mod html;
 pub mod junit;
@@ -10,10 +11,11 @@ pub mod run;
 pub mod table;
 
 use crate::format::Format;
-use anyhow::{Context, Result};
+use crate::{output, say, terminal};
+use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
 use corpus::{Shard, Suite};
-use report::{Report, State, write_atomically};
+use report::{Report, State};
 use run::{Adapter, Gpu, Plans, absent};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -81,9 +83,30 @@ pub fn run(args: &ConformArgs) -> Result<ExitCode> {
     let subjects = adapters.iter().map(|adapter| adapter.subject()).chain(absent).collect();
     let mut report = plans.report(subjects);
     let folder = &output.out;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let _lock = claim(folder, *suite, *shard)?;
     plans.run(&mut adapters, &mut report, on_interrupt(), &mut |report| report.write(folder))?;
     finish(&report, output)
+}
+
+/// Makes a folder, if need be, to which nobody else writes until the lock is dropped, and that holds no other part of a suite.
+fn claim(folder: &Path, suite: Suite, shard: Shard) -> Result<files::Lock> {
+    let place = || folder.display().to_string();
+    let lock = files::lock(folder).with_context(place)?;
+    let report = folder.join("report.json");
+    // Anything but a part of a suite is what an earlier run left, and is replaced by this one's.
+    if let Ok(there) = Report::read(&report)
+        && there.shard.count > 1
+        && (there.suite, there.shard) != (suite, shard)
+    {
+        bail!(
+            "{}: it is shard {} of suite {}, and shard {shard} of {} would replace it: give each its own --out",
+            report.display(),
+            there.shard,
+            there.suite.name(),
+            suite.name()
+        );
+    }
+    Ok(lock)
 }
 
 /// The adapters asked for, and the ones that could not be opened.
@@ -116,10 +139,10 @@ fn open(name: Option<&str>) -> (Vec<Box<dyn Adapter>>, Vec<report::Subject>) {
 fn finish(report: &Report, output: &OutputArgs) -> Result<ExitCode> {
     write(report, &output.out)?;
     match output.format {
-        Format::Json => println!("{}", serde_json::to_string(report)?),
+        Format::Json => terminal::json(report)?,
         Format::Table => {
-            println!("{}", table::text(report));
-            println!("report.html, report.json and junit.xml are in {}", output.out.display());
+            terminal::styled(&table::text(report))?;
+            say!("report.html, report.json and junit.xml are in {}", output.out.display())?;
         }
     }
     Ok(match report.state() {
@@ -135,8 +158,8 @@ fn finish(report: &Report, output: &OutputArgs) -> Result<ExitCode> {
 /// Where the folder cannot be written.
 pub fn write(report: &Report, folder: &Path) -> Result<()> {
     report.write(folder)?;
-    write_atomically(&folder.join("junit.xml"), &junit::xml(report)?)?;
-    write_atomically(&folder.join("report.html"), html::page(report)?.as_bytes())
+    output::write(&folder.join("junit.xml"), &junit::xml(report)?)?;
+    output::write(&folder.join("report.html"), html::page(report)?.as_bytes())
 }
 
 /// Set once a person interrupts: the run ends after the case at hand and is reported as far as it went. A second
@@ -147,10 +170,10 @@ fn on_interrupt() -> &'static AtomicBool {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(2);
         }
-        eprintln!("stopping after this case; interrupt again to end at once");
+        terminal::note(format_args!("stopping after this case; interrupt again to end at once"));
     });
     if let Err(error) = handled {
-        eprintln!("an interrupt will end the run at once: {error}");
+        terminal::note(format_args!("an interrupt will end the run at once: {error}"));
     }
     &STOP
 }

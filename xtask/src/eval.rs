@@ -1,5 +1,6 @@
 //! `eval`: S, derivatives, normal and curvatures at given parameters, as JSON.
 
+use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -19,6 +20,9 @@ pub struct EvalArgs {
     #[arg(long, value_name = "FILE")]
     queries: Option<PathBuf>,
 }
+
+/// The largest file of queries that is read, bytes: 64 MiB, some two million points.
+const MAX_QUERY_BYTES: u64 = 1 << 26;
 
 #[derive(Deserialize)]
 struct Queries {
@@ -41,8 +45,8 @@ pub fn run(args: &EvalArgs) -> Result<()> {
     let queries = match &args.queries {
         Some(path) => {
             let name = path.display();
-            let text = std::fs::read_to_string(path).with_context(|| format!("{name}: cannot be read"))?;
-            serde_json::from_str::<Queries>(&text).with_context(|| format!("{name}: not a list of queries"))?.queries
+            let bytes = files::read(path, MAX_QUERY_BYTES).with_context(|| name.to_string())?;
+            serde_json::from_slice::<Queries>(&bytes).with_context(|| format!("{name}: not a list of queries"))?.queries
         }
         None => model.surfaces().iter().enumerate().map(|(k, s)| nine_points(k, s)).collect(),
     };
@@ -69,7 +73,7 @@ pub fn run(args: &EvalArgs) -> Result<()> {
         }
         answers.push(json!({ "surface": query.surface, "results": results }));
     }
-    println!("{}", json!({ "queries": answers }));
+    terminal::json(&json!({ "queries": answers }))?;
     Ok(())
 }
 

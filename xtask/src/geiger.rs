@@ -6,7 +6,8 @@ use crate::compare::Shade;
 use crate::format::Format;
 use crate::stage::{Plan, Stage};
 use crate::view::ModelArgs;
-use anyhow::{Context, Result};
+use crate::{output, say, terminal};
+use anyhow::Result;
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use gbuffer::Picture;
@@ -82,16 +83,16 @@ pub fn run(args: &GeigerArgs) -> Result<()> {
         Ok(device) => Some(device),
         Err(error) if args.adapter.is_some() => return Err(error.into()),
         Err(error) => {
-            eprintln!("gpu not run: {error}");
+            terminal::note(format_args!("gpu not run: {error}"));
             None
         }
     };
     let picture = ellipses()?;
-    std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
+    output::folder(&args.out)?;
     picture.write_png(args.out.join("fig17.png"))?;
     let zoomed = zoom::pictures()?;
     zoomed.write_png(args.out.join("zoom.png"))?;
-    let model = ModelArgs { model: args.model.clone() }.open()?;
+    let model = ModelArgs::named(&args.model).open()?;
     let cost = |side, chords| cost(&model, device.as_ref(), [side, chords], args);
     let by_side: Vec<Cost> = SIDES.into_iter().map(|side| cost(side, 64)).collect::<Result<_>>()?;
     let by_chords: Vec<Cost> = CHORDS.into_iter().map(|chords| cost(1024, chords)).collect::<Result<_>>()?;
@@ -101,30 +102,28 @@ pub fn run(args: &GeigerArgs) -> Result<()> {
             "model": model.name(), "faces": model.faces().len(), "adapter": adapter,
             "threads": rayon::current_num_threads(), "by_side": by_side, "by_chords": by_chords,
         });
-        println!("{report}");
-        return Ok(());
+        return terminal::json(&report);
     }
-    crate::terminal::show(&picture);
-    println!(
+    terminal::show(&picture)?;
+    say!(
         "too few texels, too few chords, too few of both, enough of both, exact: {}",
         args.out.join("fig17.png").display()
-    );
-    crate::terminal::show(&zoomed);
-    println!("{}: {}", zoom::SHOWS, args.out.join("zoom.png").display());
-    println!(
+    )?;
+    terminal::show(&zoomed)?;
+    say!("{}: {}", zoom::SHOWS, args.out.join("zoom.png").display())?;
+    say!(
         "{}: masks of {} faces; gpu: {}; {} threads; medians of {} rounds",
         model.name(),
         model.faces().len(),
         adapter.as_deref().unwrap_or("none"),
         rayon::current_num_threads(),
         args.rounds
-    );
-    print(&by_side);
-    print(&by_chords);
-    Ok(())
+    )?;
+    print(&by_side)?;
+    print(&by_chords)
 }
 
-fn print(costs: &[Cost]) {
+fn print(costs: &[Cost]) -> Result<()> {
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header(["texels a side", "chords", "MB", "plan, ms", "even-odd, ms", "earcut, ms", "gpu fans, ms"]);
@@ -141,7 +140,7 @@ fn print(costs: &[Cost]) {
             c.gpu_ms.map_or("—".to_owned(), ms),
         ]);
     }
-    println!("{table}");
+    terminal::table(&table)
 }
 
 fn cost(model: &Model, device: Option<&Device>, [side, chords]: [u32; 2], args: &GeigerArgs) -> Result<Cost> {
@@ -224,7 +223,7 @@ fn ellipse() -> Result<Model> {
         // A half of an ellipse, to the eye: the handles are 4/3 of the half axis.
         let points = vec![at(0.45, 0.0), at(0.45, 0.4), at(-0.45, 0.4), at(-0.45, 0.0)];
         let knots = KnotVector::new(3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])?;
-        Ok(Trim { knots, points, weights: None, reversed: false, seam: false, degenerate: false, edge: None })
+        Ok(Trim::new(knots, points, None))
     };
     let boundary = Loop { outer: true, trims: vec![half(1.0)?, half(-1.0)?] };
     Ok(Model::new("ellipse", vec![surface], vec![Face { loops: vec![boundary], ..Face::whole(0) }])?)

@@ -4,7 +4,8 @@ use crate::compare::DrawingArgs;
 use crate::format::Format;
 use crate::stage::Stage;
 use crate::view::{ModelArgs, ViewArgs};
-use anyhow::{Context, Result};
+use crate::{output, say, terminal};
+use anyhow::Result;
 use clap::Args;
 use gbuffer::{GBuffer, Picture, ShadeKind, Shading};
 use pipeline::Proxy;
@@ -74,7 +75,7 @@ pub fn run(args: &KanaiArgs) -> Result<()> {
         vertex_normals: angles(&vertex, &exact),
         fragment_normals: angles(&fragment, &exact),
     };
-    std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
+    output::folder(&args.out)?;
     let shading = Shading::new(ShadeKind::Isophotes);
     let mut pictures = vec![];
     for (name, buffer) in [("vertex-normals", &vertex), ("fragment-normals", &fragment), ("raycast", &exact)] {
@@ -84,18 +85,21 @@ pub fn run(args: &KanaiArgs) -> Result<()> {
     }
     Picture::beside(&pictures.iter().collect::<Vec<_>>()).write_png(args.out.join("beside.png"))?;
     match args.format {
-        Format::Json => println!("{}", serde_json::to_string(&report)?),
+        Format::Json => terminal::json(&report)?,
         Format::Table => {
-            crate::terminal::show(&Picture::beside(&pictures.iter().collect::<Vec<_>>()));
-            println!("{}: {} triangles, angle to the ray caster's normal, degrees", report.model, report.triangles);
+            terminal::show(&Picture::beside(&pictures.iter().collect::<Vec<_>>()))?;
+            say!("{}: {} triangles, angle to the ray caster's normal, degrees", report.model, report.triangles)?;
             for (name, a) in [("vertex normals", report.vertex_normals), ("fragment normals", report.fragment_normals)]
             {
-                println!(
+                say!(
                     "{name:18} median {:.2e}, 99 % below {:.2e}, greatest {:.2e}, {} pixels",
-                    a.median_deg, a.percentile_99_deg, a.greatest_deg, a.pixels
-                );
+                    a.median_deg,
+                    a.percentile_99_deg,
+                    a.greatest_deg,
+                    a.pixels
+                )?;
             }
-            println!("pictures are in {}", args.out.display());
+            say!("pictures are in {}", args.out.display())?;
         }
     }
     Ok(())

@@ -2,6 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use xtask::terminal::{self, OutputError};
 use xtask::{adapters, bench, bless, ci, compare, conform, eval, geiger, info, kanai, mutants, pixel, render, scene};
 
 /// Isophote: NURBS surfaces, exact per pixel, three independent ways, and how far the three agree
@@ -31,8 +32,16 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        // Help goes to standard output, and a full device is none that it reached.
+        Err(stopped) => match stopped.print() {
+            Ok(()) => return ExitCode::from(stopped.exit_code() as u8),
+            Err(_) => return ExitCode::from(2),
+        },
+    };
     let done = |result: anyhow::Result<()>| result.map(|()| ExitCode::SUCCESS);
-    let result = match Cli::parse().command {
+    let result = match cli.command {
         Command::Compare(args) => compare::run(&args),
         Command::Conform(args) => conform::run(&args),
         Command::Render(args) => done(render::run(&args)),
@@ -49,7 +58,11 @@ fn main() -> ExitCode {
         Command::Ci(args) => ci::run(&args),
     };
     result.unwrap_or_else(|error| {
-        eprintln!("error: {error:#}");
+        // Nobody reads on, as below `| head`: no words, and yet no success, since the answer did not arrive.
+        let closed = error.downcast_ref::<OutputError>().is_some_and(OutputError::is_closed);
+        if !closed {
+            terminal::note(format_args!("error: {error:#}"));
+        }
         ExitCode::from(2)
     })
 }

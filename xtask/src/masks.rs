@@ -1,5 +1,6 @@
 //! Trimming from the command line: by curves or by masks, how fine masks are, and what is said of them.
 
+use crate::number;
 use crate::stage::Stage;
 use clap::{Args, ValueEnum};
 use pipeline::mask::{MaskFill, MaskOptions, MaskQuality, Trimming};
@@ -16,7 +17,7 @@ pub struct TrimArgs {
     trim: Option<TrimName>,
     /// With --trim texture: how far an edge may be off in the picture, from texels and chords together, pixels; of a saved
     /// G-buffer, the most that its masks may claim
-    #[arg(long, value_name = "PX", default_value_t = DEFAULT_MASK_PX, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PX", default_value_t = DEFAULT_MASK_PX, value_parser = number::error_px, allow_hyphen_values = true)]
     mask_px: f64,
     /// With --trim texture: the most memory of all masks together, MB of a million bytes; beyond it they are made coarser
     #[arg(long, value_name = "MB", default_value_t = 256)]

@@ -11,6 +11,7 @@ pub mod worker;
 
 use crate::compare::TechniqueName;
 use crate::format::Format;
+use crate::output;
 use crate::terminal;
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -25,7 +26,7 @@ use std::time::Instant;
 use worker::{Outcome, Worker};
 
 /// Mutants tried at once: each worker's software GPU keeps two cores busy about half of the time.
-const DEFAULT_JOBS: usize = 2;
+const DEFAULT_JOBS: u16 = 2;
 
 /// Change the WGSL in one place after the other, and see whether the comparison catches each change
 ///
@@ -52,8 +53,8 @@ pub struct MutantsArgs {
     #[arg(long)]
     list: bool,
     /// Mutants tried at once, each in a process of its own
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_JOBS)]
-    jobs: usize,
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_JOBS, value_parser = clap::value_parser!(u16).range(1..=256))]
+    jobs: u16,
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -95,13 +96,12 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
     let tried = tried(chosen, args)?;
     let report = Report::new(mutants.len(), stillborn, tried, &reviewed, unknown, began.elapsed());
     if let Some(folder) = &args.out {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        let path = folder.join("mutants.json");
-        std::fs::write(&path, serde_json::to_string_pretty(&report)?).with_context(|| path.display().to_string())?;
+        output::folder(folder)?;
+        output::write_json(&folder.join("mutants.json"), &report)?;
     }
     match args.format {
-        Format::Json => println!("{}", serde_json::to_string(&report)?),
-        Format::Table => report.print(),
+        Format::Json => terminal::json(&report)?,
+        Format::Table => report.print()?,
     }
     Ok(ExitCode::from(if report.is_proof() { 0 } else { 1 }))
 }

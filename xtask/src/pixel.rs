@@ -3,6 +3,7 @@
 use crate::compare::DrawingArgs;
 use crate::stage::{Rendered, Stage};
 use crate::view::{ModelArgs, ViewArgs};
+use crate::{say, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
@@ -32,7 +33,7 @@ pub struct PixelArgs {
 /// # Errors
 /// Where input is bad or the pixel is outside the picture.
 pub fn run(args: &PixelArgs) -> Result<ExitCode> {
-    let model = ModelArgs { model: args.model.clone() }.open()?;
+    let model = ModelArgs::named(&args.model).open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let (x, y): (usize, usize) = args
@@ -47,34 +48,34 @@ pub fn run(args: &PixelArgs) -> Result<ExitCode> {
     let caster = Caster::new(&model);
     let rendered = stage.render(&caster, args.drawing.adapter.as_deref(), None);
     let ray = camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5);
-    println!("pixel ({x}, {y}) of {}x{}", viewport.width(), viewport.height());
-    println!("ray   origin {}, direction {}, near {}", text(ray.origin), text(ray.direction), ray.near);
+    say!("pixel ({x}, {y}) of {}x{}", viewport.width(), viewport.height())?;
+    say!("ray   origin {}, direction {}, near {}", text(ray.origin), text(ray.direction), ray.near)?;
     let cast = caster.first(&ray);
     if let Some(undecided) = cast.undecided {
-        println!("the ray caster is undecided: {undecided:?}");
+        say!("the ray caster is undecided: {undecided:?}")?;
     }
-    print_columns(&stage, &rendered, x, y);
+    print_columns(&stage, &rendered, x, y)?;
     if let Err(why) = &rendered.gpu {
-        println!("gpu not run: {why}");
+        say!("gpu not run: {why}")?;
         return Ok(ExitCode::from(2));
     }
     for (reference, candidate, verdict) in stage.pixel(&caster, &rendered, [x, y])? {
         let cause = verdict.cause.map_or("agree", |cause| cause.label());
-        println!("{reference} | {candidate}: {cause}: {}", verdict.detail);
+        say!("{reference} | {candidate}: {cause}: {}", verdict.detail)?;
         let share = |share: Option<f64>| share.map_or("—".to_owned(), |share| format!("{:.1} %", 100.0 * share));
         let compare::Shares { position, normal, curvature, unbounded, ambiguous } = verdict.shares;
-        println!("  of the intervals: S {}, n {}, k {}", share(position), share(normal), share(curvature));
+        say!("  of the intervals: S {}, n {}, k {}", share(position), share(normal), share(curvature))?;
         if unbounded {
-            println!("  a value has no bound in f32 here: counted, not judged");
+            say!("  a value has no bound in f32 here: counted, not judged")?;
         }
         if ambiguous {
-            println!("  f32 leaves a decision open here: any of its answers is right");
+            say!("  f32 leaves a decision open here: any of its answers is right")?;
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) {
+fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Result<()> {
     let gpu = rendered.gpu.as_ref().ok().and_then(|gpu| gpu.gbuffer.get(x, y));
     let hits = [rendered.raycast.get(x, y), rendered.raster.get(x, y), gpu];
     let mut table = Table::new();
@@ -90,6 +91,9 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) {
     row("u", &|hit| hit.uv.x.to_string());
     row("v", &|hit| hit.uv.y.to_string());
     row("knot span", &|hit| format!("{:?}", spans(stage, hit)));
+    row("place on the spans", &|hit| {
+        hit.local.map_or("—".to_owned(), |local| format!("{:?}\n{}\n{}", local.span, local.uv.x, local.uv.y))
+    });
     row("S", &|hit| text(hit.position));
     row("S_u, f64 at this (u, v)", &|hit| text(derivatives(hit).su));
     row("S_v, f64 at this (u, v)", &|hit| text(derivatives(hit).sv));
@@ -113,8 +117,10 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) {
         intervals(&enclosures(hit), |e| e.curvature.map(|k| k.map(|k| k.scaled(1.0 / scale))))
     });
     row("decisions", &|hit| {
-        let each =
-            enclosures(hit).iter().map(|e| format!("packed span {:?}: {:?}", e.span, e.regularity)).collect::<Vec<_>>();
+        let each = enclosures(hit)
+            .iter()
+            .map(|e| format!("spans {:?}: {:?}", e.on.map(|on| on.span), e.regularity))
+            .collect::<Vec<_>>();
         each.join("\n")
     });
     row("t", &|hit| hit.t.to_string());
@@ -126,9 +132,10 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) {
     });
     row("chord bound, px", &|hit| {
         let depth = stage.camera.depth(hit.position).max(f64::MIN_POSITIVE);
-        format!("{:.6}", stage.proxy.chord[hit.face.0 as usize] * stage.camera.pixels_per_unit(stage.viewport, depth))
+        let chord = stage.proxy.chord[hit.face.0 as usize].iter().fold(0.0, |most: f64, chord| most.max(*chord));
+        format!("{:.6}", chord * stage.camera.pixels_per_unit(stage.viewport, depth))
     });
-    println!("{table}");
+    terminal::table(&table)
 }
 
 fn spans(stage: &Stage, hit: &Hit) -> [usize; 2] {

@@ -3,6 +3,7 @@
 use crate::antialias::Antialias;
 use crate::compare::{DrawingArgs, Shade};
 use crate::masks::MaskReport;
+use crate::say;
 use crate::stage::{Plan, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
@@ -88,16 +89,16 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         }
         match &args.out {
             Some(path) => picture.write_png(path)?,
-            None => terminal::show(&picture),
+            None => terminal::show(&picture)?,
         }
     }
     if args.out.is_none() && args.gbuffer.is_none() {
         let samples = if count > 1 { format!(", {count} samples each,") } else { String::new() };
-        println!(
+        say!(
             "{} of {} pixels{samples} covered (--out X.png or --gbuffer X.npz keeps them)",
             covered as f64 / count as f64,
             viewport.pixels()
-        );
+        )?;
     }
     Ok(())
 }
@@ -115,7 +116,7 @@ fn each_sample(
     let stage = || {
         let stage = Stage::new(model, camera, viewport, Plan { edges, ..args.drawing.plan() })?;
         if let Some(note) = MaskReport::of(&stage).and_then(|masks| masks.note) {
-            eprintln!("note: {note}");
+            terminal::note(format_args!("note: {note}"));
         }
         anyhow::Ok(stage)
     };

@@ -1,8 +1,9 @@
 //! `scene`: a model and a camera in one JSON file, for a renderer that is not ours to draw.
 
 use crate::view::{ModelArgs, ViewArgs};
+use crate::{output, terminal};
 use ::scene::{Camera, Model, Viewport};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -29,12 +30,11 @@ pub fn run(args: &SceneArgs) -> Result<()> {
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
-    let text = serde_json::to_string(&document(&model, &camera, viewport)?)?;
+    let document = document(&model, &camera, viewport)?;
     match &args.out {
-        Some(path) => std::fs::write(path, text + "\n").with_context(|| path.display().to_string())?,
-        None => println!("{text}"),
+        Some(path) => output::write(path, (document.to_string() + "\n").as_bytes()),
+        None => terminal::json(&document),
     }
-    Ok(())
 }
 
 /// The scene as `docs/gbuffer.md` describes it.

@@ -347,10 +347,9 @@ impl<'m> Stage<'m> {
         pairs.into_iter().map(verdict).collect()
     }
 
-    /// What the fragment program may return at a hit's own (u, v).
+    /// What the fragment program may return at a hit's own place.
     pub fn enclosures(&self, hit: &Hit, curvature: bool) -> Enclosures {
-        let parameters = self.scene.frames[hit.face.0 as usize].parameters(hit.uv);
-        enclose(&self.scene, hit.face.0, parameters, curvature)
+        enclose(&self.scene, hit.face.0, &self.scene.frames[hit.face.0 as usize].known(hit), curvature)
     }
 
     fn rays<'a>(&self, caster: &'a Caster<'a>) -> Rays<'a> {

@@ -1,9 +1,10 @@
 //! What is drawn and from where, from the command line.
 
+use crate::number;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use glam::{DVec2, DVec3};
-use scene::{Camera, Model, Projection, Viewport};
+use scene::{Camera, Model, Projection, Viewport, escaped};
 use std::path::Path;
 
 /// A model by name or file.
@@ -12,43 +13,73 @@ pub struct ModelArgs {
     /// A model file (.json, .bpt) or the name of a built-in model (see `cargo xtask info --list`)
     #[arg(value_name = "MODEL", default_value = "teapot")]
     pub model: String,
+    /// Refuse a file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap closed
+    #[arg(long)]
+    pub strict: bool,
 }
 
 /// Where the camera stands and what it fills.
 #[derive(Debug, Clone, Args)]
 pub struct ViewArgs {
     /// Where the camera stands; without it, the model is framed from the front right, above
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
     pub eye: Option<Vec<f64>>,
     /// What it looks at [default: the centre of the model's box]
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
     pub target: Option<Vec<f64>>,
     /// What points upward in the picture
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
     pub up: Option<Vec<f64>>,
     /// Full vertical field of view, degrees [default: 40]
-    #[arg(long, value_name = "DEG", conflicts_with = "ortho", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", conflicts_with = "ortho", value_parser = number::field_of_view, allow_hyphen_values = true)]
     pub fov: Option<f64>,
     /// Orthographic view of this height, model units
-    #[arg(long, value_name = "HEIGHT", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HEIGHT", value_parser = number::positive, allow_hyphen_values = true)]
     pub ortho: Option<f64>,
     /// Depth of the near plane, model units [default: 1/1024 of the distance to the target; 0 with --ortho]
-    #[arg(long, value_name = "DEPTH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEPTH", value_parser = number::not_negative, allow_hyphen_values = true)]
     pub near: Option<f64>,
     /// The picture moved right and up in its own plane, in heights of the picture, as a photographer shifts a lens
-    #[arg(long, num_args = 2, value_names = ["RIGHT", "UP"], allow_negative_numbers = true)]
+    #[arg(long, num_args = 2, value_names = ["RIGHT", "UP"], value_parser = number::finite, allow_hyphen_values = true)]
     pub lens_shift: Option<Vec<f64>>,
     /// Size of the picture in pixels [default: 512x512]
     #[arg(long, value_name = "WxH")]
     pub size: Option<String>,
 }
 
+/// Notes that are printed before the rest is only counted; the JSON of `info` and `compare` lists all.
+const PRINTED_NOTES: usize = 100;
+
 impl ModelArgs {
-    /// Opens the model.
+    /// The model of that name or file, whatever is left out of it.
+    pub fn named(model: &str) -> Self {
+        Self { model: model.to_owned(), strict: false }
+    }
+
+    /// Opens the model, and prints on standard error what of it is not drawn as it stands in its file.
     ///
     /// # Errors
-    /// Where it is neither a built-in name nor a readable file; a file's error names the place and the value.
+    /// Where it is neither a built-in name nor a readable file; a file's error names the place and the value. With
+    /// `strict`, where there is anything to print.
     pub fn open(&self) -> Result<Model> {
+        let model = self.read()?;
+        let notes = model.notes();
+        for note in notes.iter().take(PRINTED_NOTES) {
+            eprintln!("note: {}: {note}", escaped(&self.model));
+        }
+        if PRINTED_NOTES < notes.len() {
+            eprintln!("note: {}: and {} more", escaped(&self.model), notes.len() - PRINTED_NOTES);
+        }
+        if self.strict && !notes.is_empty() {
+            bail!(
+                "{}: not drawn as it stands in the file, by the notes above, and --strict is given",
+                escaped(&self.model)
+            );
+        }
+        Ok(model)
+    }
+
+    fn read(&self) -> Result<Model> {
         if let Some(model) = formats::builtin(&self.model) {
             return Ok(model);
         }

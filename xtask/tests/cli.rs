@@ -79,11 +79,46 @@ fn bad_views_are_refused_with_the_value() {
     refused(&["render", "--eye", "0", "0", "9", "--target", "0", "0", "0"], &["up vector"]);
     refused(&["render", "--eye", "NaN", "0", "9"], &["eye", "NaN"]);
     refused(&["render", "--near", "0"], &["near"]);
-    refused(&["render", "--lens-shift", "0", "inf"], &["lens shift", "inf"]);
+    refused(&["render", "--lens-shift", "0", "inf"], &["--lens-shift", "inf"]);
     refused(&["render", "--antialias", "3"], &["3", "4, 8, 16"]);
-    refused(&["compare", "--chord", "0"], &["chord"]);
+    for chord in ["0", "-1", "nan", "inf", "1e9"] {
+        refused(&["compare", "--chord", chord], &["--chord", chord, "at most 64 pixels"]);
+    }
+    for share in ["nan", "5", "-0.01", "inf", "1e-400x"] {
+        refused(&["compare", "--unbounded", share], &["--unbounded", share, "a share from 0 to 1"]);
+    }
+    for (option, value) in [("--fov", "nan"), ("--ortho", "inf"), ("--near", "-1e-9"), ("--mask-px", "NaN")] {
+        refused(&["render", option, value], &[option, value]);
+    }
+    refused(&["render", "--eye", "0", "0", "--size", "8x8"], &["--eye", "--size"]);
+    refused(&["kanai", "--cells", "0"], &["--cells", "0"]);
+    refused(&["mutants", "--jobs", "0"], &["--jobs", "0"]);
     refused(&["pixel", "teapot", "600,1"], &["600"]);
     refused(&["no-such-command"], &["no-such-command"]);
+}
+
+#[test]
+fn negative_numbers_may_have_exponents_in_every_command() {
+    let model = file("negative.json", &square().to_string());
+    let model = model.to_str().expect("UTF-8");
+    let view = ["--eye", "-8e-05", "-.5", "2", "--target", "-1E-3", "0", "-2e-4", "--up", "-1e-7", "1", "0"];
+    let shift = ["--lens-shift", "-1e-05", "0"];
+    let output = xtask(&[&["scene", model], &view[..], &shift[..]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let scene: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let camera = &scene["meta"]["camera"];
+    assert_eq!((&camera["eye"], &camera["target"]), (&json!([-8e-05, -0.5, 2.0]), &json!([-1e-3, 0.0, -2e-4])));
+    assert_eq!(camera["lens_shift"], json!([-1e-05, 0.0]));
+    let commands: [&[&str]; 4] = [
+        &["render", model, "--with", "raycast"],
+        &["compare", model, "--format", "json"],
+        &["pixel", model, "4,4"],
+        &["kanai", model, "--cells", "2", "--out", concat!(env!("CARGO_TARGET_TMPDIR"), "/negative")],
+    ];
+    for command in commands {
+        let output = xtask(&[command, &view[..], &["--size", "8x8"]].concat());
+        assert!(output.status.success(), "{command:?}: {}", text(&output.stderr));
+    }
 }
 
 #[test]
@@ -188,6 +223,38 @@ fn saved_gbuffers_that_cannot_be_judged_are_refused() {
     refused(&["compare", "teapot", "--model", "sphere"], &["--model", "teapot"]);
 }
 
+/// A megabyte of zeros becomes a gigabyte of arrays: its model's hash is looked at before that.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_small_file_of_large_arrays_costs_nothing_before_its_model_is_known() {
+    use scene::{Camera, FaceId, Viewport};
+    let model = formats::builtin("sphere").expect("built in");
+    let viewport = Viewport::new(4000, 1800).expect("a legal size");
+    let camera = Camera::framing(&model, viewport);
+    let mut meta = gbuffer::Meta::new("other", "exact", &model, &camera);
+    meta.model_hash = "0".repeat(16);
+    let hit = gbuffer::Hit {
+        face: FaceId(0),
+        uv: Default::default(),
+        t: 0.0,
+        position: Default::default(),
+        normal: nurbs::Normal::Undefined,
+        curvature: None,
+        edge: None,
+    };
+    let row = |_| vec![Some(hit); viewport.width()];
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("zeros.npz");
+    let buffer = gbuffer::GBuffer::from_rows(viewport, meta, (0..viewport.height()).map(row));
+    buffer.write_npz(&path).expect("a folder to write to");
+    assert!(std::fs::metadata(&path).expect("there").len() < 16_000_000);
+    // Address space, kB: what the program itself takes, and far below the arrays' 700 MB.
+    let line = format!("ulimit -v 600000; exec {} compare {}", env!("CARGO_BIN_EXE_xtask"), path.display());
+    let output = Command::new("bash").args(["-c", &line]).output().expect("bash starts");
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("zeros.npz") && message.contains("hash"), "{message}");
+}
+
 #[test]
 fn a_scene_is_written_for_others_to_draw() {
     let output = xtask(&["scene", "torus", "--size", "40x30", "--ortho", "3"]);
@@ -287,7 +354,7 @@ fn masks_are_reported_and_too_little_memory_makes_them_coarser_or_is_refused() {
     assert!(coarser.status.success(), "{}", text(&coarser.stderr));
     assert!(text(&coarser.stderr).contains("masks are coarser than asked"), "{}", text(&coarser.stderr));
     refused(&texture(&["--mask-memory", "0"]), &["1 trimmed faces", "0 bytes"]);
-    refused(&texture(&["--mask-px", "-1"]), &["-1 pixels", "positive"]);
+    refused(&texture(&["--mask-px", "-1"]), &["--mask-px", "-1", "positive"]);
 }
 
 /// Geiger's Figs. 17, 32 and 33.

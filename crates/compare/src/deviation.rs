@@ -53,10 +53,11 @@ pub struct Deviation {
 
 impl Deviation {
     /// A rasterizer of flat triangles, whose chord bounds are given a face, against the surface itself.
-    pub fn of_proxy(interpolation: &Interpolation, chord: &[f64]) -> Self {
+    pub fn of_proxy(interpolation: &Interpolation, chord: &[Vec<f64>]) -> Self {
+        let chord = greatest(chord);
         Self {
-            chord: chord.to_vec(),
-            edge_chord: chord.to_vec(),
+            chord: chord.clone(),
+            edge_chord: chord,
             attribute: interpolation.0.clone(),
             snap_px: SNAP_PX,
             edge_px: EDGE_PX,
@@ -68,10 +69,10 @@ impl Deviation {
     }
 
     /// Two rasterizers of the same triangles, whose chord bounds are given a face.
-    pub fn of_same_proxy(interpolation: &Interpolation, chord: &[f64]) -> Self {
+    pub fn of_same_proxy(interpolation: &Interpolation, chord: &[Vec<f64>]) -> Self {
         Self {
             chord: vec![0.0; chord.len()],
-            edge_chord: chord.to_vec(),
+            edge_chord: greatest(chord),
             attribute: interpolation.0.clone(),
             snap_px: 2.0 * SNAP_PX,
             edge_px: 2.0 * EDGE_PX,
@@ -89,7 +90,7 @@ impl Deviation {
     /// `chord_px` is what the caller is ready to grant, not what a G-buffer says of itself.
     pub fn of_claimed_chord(model: &Model, camera: &Camera, viewport: Viewport, chord_px: f64) -> Self {
         let chord = |face: usize| chord_px * camera.pixel_at(viewport, model.surfaces()[face].hull());
-        let chord: Vec<f64> = model.faces().iter().map(|face| chord(face.surface)).collect();
+        let chord: Vec<Vec<f64>> = model.faces().iter().map(|face| vec![chord(face.surface)]).collect();
         Self {
             edge_px: chord_px + SNAP_PX,
             text: format!(
@@ -136,6 +137,11 @@ impl Deviation {
     pub fn model_units(&self, face: usize) -> f64 {
         self.chord[face] + self.attribute[face]
     }
+}
+
+/// The greatest of each face.
+fn greatest(chord: &[Vec<f64>]) -> Vec<f64> {
+    chord.iter().map(|pieces| pieces.iter().fold(0.0, |most: f64, chord| most.max(*chord))).collect()
 }
 
 fn attribute_of(surface: &Surface) -> f64 {

@@ -2,9 +2,8 @@
 
 use crate::error::shorten;
 use crate::{FormatError, bpt, json};
-use scene::Model;
-use std::fs::{self, File};
-use std::io::Read;
+use files::ReadError;
+use scene::{Model, escaped};
 use std::path::Path;
 
 /// The largest file that is opened, in bytes: 1 GiB.
@@ -21,40 +20,31 @@ pub const MAX_FILE_BYTES: u64 = 1 << 30;
 /// [`FormatError::UnknownFormat`], and what the format's own reader says.
 pub fn read(path: impl AsRef<Path>) -> Result<Model, FormatError> {
     let path = path.as_ref();
-    let file = path.display().to_string();
+    let name = path.display().to_string();
+    let file = escaped(&name);
     let text = read_text(path, &file)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
-        Some("json") => json::parse(text, &file),
-        Some("bpt") => bpt::parse(text, &file),
-        _ if text.trim_start().starts_with('{') => json::parse(text, &file),
+        Some("json") => json::parse(text, &name),
+        Some("bpt") => bpt::parse(text, &name),
+        _ if text.trim_start().starts_with('{') => json::parse(text, &name),
         _ if text.lines().map(str::trim).find(|l| !l.is_empty()).is_some_and(|l| l.parse::<usize>().is_ok()) => {
-            bpt::parse(text, &file)
+            bpt::parse(text, &name)
         }
         _ => Err(FormatError::UnknownFormat { file, start: shorten(text.lines().next().unwrap_or_default()) }),
     }
 }
 
 fn read_text(path: &Path, file: &str) -> Result<String, FormatError> {
-    let io = |cause| FormatError::Io { file: file.to_owned(), cause };
-    let too_large = |bytes| FormatError::TooLarge { file: file.to_owned(), bytes, limit: MAX_FILE_BYTES };
-    // Asked before opening: to open a pipe can wait for ever.
-    let metadata = fs::metadata(path).map_err(io)?;
-    if !metadata.is_file() {
-        return Err(FormatError::NotAFile { file: file.to_owned() });
-    }
-    if metadata.len() > MAX_FILE_BYTES {
-        return Err(too_large(metadata.len()));
-    }
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
-    // The limit holds again here, for a file that grows meanwhile or does not know its size.
-    File::open(path).map_err(io)?.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(too_large(bytes.len() as u64));
-    }
+    let file = || file.to_owned();
+    let bytes = files::read(path, MAX_FILE_BYTES).map_err(|error| match error {
+        ReadError::Io(cause) => FormatError::Io { file: file(), cause },
+        ReadError::NotAFile => FormatError::NotAFile { file: file() },
+        ReadError::TooLarge { bytes, limit } => FormatError::TooLarge { file: file(), bytes, limit },
+    })?;
     String::from_utf8(bytes).map_err(|error| {
         let offset = error.utf8_error().valid_up_to();
-        FormatError::NotText { file: file.to_owned(), offset, value: error.as_bytes()[offset] }
+        FormatError::NotText { file: file(), offset, value: error.as_bytes()[offset] }
     })
 }

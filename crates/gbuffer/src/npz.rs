@@ -9,6 +9,8 @@
 //! | `hit` | u8 | 1 where the pixel sees a point, else 0 | 0 | `face` is not −1 |
 //! | `face` | i32 | number of the face | −1 | refused |
 //! | `u`, `v` | f64 | parameters in the surface's own knot domain | NaN | refused |
+//! | `span` | i32, H × W × 2 | knot spans in u and v, counted from 0 among those that are not empty | −1 | no local parameters |
+//! | `local` | f64, H × W × 2 | u and v across those spans, 0 … 1 | NaN | absent with `span` |
 //! | `t` | f64 | distance along the pixel's unit ray, model units | NaN | computed from `pos` and `meta`'s camera |
 //! | `pos` | f64, H × W × 3 | the point, world coordinates | NaN | refused |
 //! | `normal` | f64, H × W × 3 | unit normal; NaN where its status is undefined | NaN | refused |
@@ -32,15 +34,19 @@ mod meta;
 mod read;
 
 use crate::npy::Header;
-use crate::{GBuffer, GBufferError, Hit};
+use crate::{GBuffer, GBufferError, Hit, Meta};
+use files::ReadError;
 use glam::{DVec2, DVec3};
 use meta::MetaText;
 use scene::Viewport;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Cursor, Seek, Write};
+use std::io::{self, BufReader, Cursor, Seek, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// The largest file that is read, bytes: 16 GiB, more than the largest picture takes.
+const MAX_BYTES: u64 = 1 << 34;
 
 /// `status` where nothing is hit.
 const NO_STATUS: u8 = 255;
@@ -61,14 +67,12 @@ impl GBuffer {
     /// hit are written as they are; [`Self::read_npz`] then refuses the file.
     ///
     /// # Errors
-    /// [`GBufferError::Io`], [`GBufferError::FaceTooLarge`]. A file that could not be finished may be left behind.
+    /// [`GBufferError::Io`], [`GBufferError::FaceTooLarge`]. What was there then stays.
     pub fn write_npz(&self, path: impl AsRef<Path>) -> Result<(), GBufferError> {
         let path = path.as_ref();
         self.check_faces()?;
         let io = |source| GBufferError::Io { path: path.to_owned(), source };
-        let file = File::create(path).map_err(io)?;
-        let mut writer = self.write_archive(BufWriter::new(file)).map_err(io)?;
-        writer.flush().map_err(io)
+        files::write(path, |writer| self.write_archive(writer).map(|_| ())).map_err(io)
     }
 
     /// The bytes that [`Self::write_npz`] writes.
@@ -83,20 +87,24 @@ impl GBuffer {
 
     /// Reads a file of the form described in this module.
     ///
-    /// Memory is that of the buffer it gives. A file can ask for no more than its own length lets it hold. Pipes and
-    /// devices are refused, since they may never end.
+    /// Memory is that of the buffer it gives. A file can ask for no more than its own length lets it hold, which may be a
+    /// thousand times that length: [`Self::read_npz_meta`] is for what can be refused without. Pipes and devices are
+    /// refused, since they may never end.
     ///
     /// # Errors
     /// Any of the reading variants of [`GBufferError`], naming file, array and value.
     pub fn read_npz(path: impl AsRef<Path>) -> Result<Self, GBufferError> {
         let path = path.as_ref();
-        let io = |source| GBufferError::Io { path: path.to_owned(), source };
-        // Asked before opening: to open a pipe can wait for ever.
-        if !std::fs::metadata(path).map_err(io)?.is_file() {
-            return Err(io(io::Error::other("it is no regular file")));
-        }
-        let file = File::open(path).map_err(io)?;
-        read::archive(BufReader::new(file), path)
+        read::archive(BufReader::new(open(path)?), path)
+    }
+
+    /// The facts of a file and the picture's size, without its arrays: memory is that of `meta`.
+    ///
+    /// # Errors
+    /// As [`Self::read_npz`], but for values of arrays.
+    pub fn read_npz_meta(path: impl AsRef<Path>) -> Result<(Meta, Viewport), GBufferError> {
+        let path = path.as_ref();
+        read::facts(BufReader::new(open(path)?), path)
     }
 
     fn check_faces(&self) -> Result<(), GBufferError> {
@@ -113,6 +121,10 @@ impl GBuffer {
         archive.pixels("face", "<i4", |hit| hit.map_or(-1, |h| h.face.0 as i32).to_le_bytes())?;
         archive.numbers("u", |hit| hit.uv.x)?;
         archive.numbers("v", |hit| hit.uv.y)?;
+        if self.has_local() {
+            archive.spans()?;
+            archive.vectors("local", |hit| hit.local.map_or(DVec2::NAN, |local| local.uv).to_array())?;
+        }
         archive.numbers("t", |hit| hit.t)?;
         archive.vectors("pos", |hit| hit.position.to_array())?;
         archive.vectors("normal", |hit| hit.normal.unit().unwrap_or(DVec3::NAN).to_array())?;
@@ -126,6 +138,16 @@ impl GBuffer {
         archive.meta()?;
         Ok(archive.zip.finish()?)
     }
+}
+
+fn open(path: &Path) -> Result<File, GBufferError> {
+    files::open(path, MAX_BYTES).map_err(|error| GBufferError::Io {
+        path: path.to_owned(),
+        source: match error {
+            ReadError::Io(source) => source,
+            other => io::Error::other(other),
+        },
+    })
 }
 
 /// A zip archive in the making.
@@ -192,6 +214,18 @@ impl<W: Write + Seek> Archive<'_, W> {
             }
         }
         self.zip.write_all(&chunk)
+    }
+
+    fn spans(&mut self) -> io::Result<()> {
+        let viewport = self.buffer.viewport();
+        let bytes: Vec<u8> = self
+            .buffer
+            .pixels()
+            .flat_map(|hit| hit.and_then(|hit| hit.local).map_or([-1; 2], |local| local.span.map(|k| k as i32)))
+            .flat_map(i32::to_le_bytes)
+            .collect();
+        self.start("span", Header::new("<i4", shape(viewport, Some(2))), bytes.len() as u64)?;
+        self.zip.write_all(&bytes)
     }
 
     fn undecided(&mut self) -> io::Result<()> {

@@ -6,7 +6,9 @@
 use crate::GBufferError;
 use crate::shade::background;
 use colorous::VIRIDIS;
-use image::{ExtendedColorType, ImageFormat};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Width of a legend, pixels; a quarter of it is taken by the ticks.
@@ -81,14 +83,21 @@ impl Picture {
     /// [`GBufferError::Png`].
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<(), GBufferError> {
         let path = path.as_ref();
-        let png = |reason: String| GBufferError::Png { path: path.to_owned(), reason };
+        files::write(path, |writer| self.encode_png(writer))
+            .map_err(|error| GBufferError::Png { path: path.to_owned(), reason: error.to_string() })
+    }
+
+    /// The picture in PNG format.
+    fn encode_png(&self, writer: impl Write) -> io::Result<()> {
         let (width, height) = (u32::try_from(self.width), u32::try_from(self.height));
         let (Ok(width), Ok(height)) = (width, height) else {
-            return Err(png(format!("{}x{} pixels are too many for PNG", self.width, self.height)));
+            return Err(io::Error::other(format!("{}x{} pixels are too many for PNG", self.width, self.height)));
         };
-        let bytes = self.rgb.as_flattened();
-        image::save_buffer_with_format(path, bytes, width, height, ExtendedColorType::Rgb8, ImageFormat::Png)
-            .map_err(|e| png(e.to_string()))
+        let (bytes, encoder) = (self.rgb.as_flattened(), PngEncoder::new(writer));
+        encoder.write_image(bytes, width, height, ExtendedColorType::Rgb8).map_err(|error| match error {
+            ImageError::IoError(error) => error,
+            other => io::Error::other(other),
+        })
     }
 
     /// A field of numbers in false colour, with a [`Self::legend`] to its right.
@@ -222,9 +231,12 @@ mod tests {
         picture.write_png(&path).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         std::fs::remove_file(&path).unwrap();
-        let back = image::load_from_memory_with_format(&bytes, ImageFormat::Png).unwrap().into_rgb8();
+        let back = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png).unwrap().into_rgb8();
         assert_eq!((back.dimensions(), &back.into_raw()[..]), ((5, 3), picture.rgb().as_flattened()));
         assert!(matches!(picture.write_png("/no/such/directory/x.png"), Err(GBufferError::Png { .. })));
+        // So small a picture stays in a buffer until that is flushed.
+        #[cfg(unix)]
+        assert!(matches!(picture.write_png("/dev/full"), Err(GBufferError::Png { .. })));
     }
 
     #[test]

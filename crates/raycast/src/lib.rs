@@ -261,7 +261,7 @@ impl<'m> Caster<'m> {
         } else {
             (point.normal, curvature)
         };
-        Hit { face, uv, t, position: point.derivatives.s, normal, curvature, edge: None }
+        Hit { face, uv, local: None, t, position: point.derivatives.s, normal, curvature, edge: None }
     }
 
     /// The faces of a body that have material at parameters `uv`, ascending: a trim edge within [`EDGE_BOUNDS`] times the

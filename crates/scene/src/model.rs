@@ -1,7 +1,7 @@
 //! A model: surfaces and the faces that use them.
 
 use crate::extent::Extent;
-use crate::{Face, FaceId, Region, SceneError};
+use crate::{Face, FaceId, Note, Region, SceneError};
 use nurbs::{Hull, Surface};
 
 /// A named set of faces over surfaces; never empty, and every face's surface exists.
@@ -10,8 +10,11 @@ pub struct Model {
     name: String,
     surfaces: Vec<Surface>,
     faces: Vec<Face>,
+    /// The number that each face has in its file.
+    numbers: Vec<usize>,
     regions: Vec<Option<Region>>,
     hull: Hull,
+    notes: Vec<Note>,
 }
 
 impl Model {
@@ -20,17 +23,68 @@ impl Model {
     /// # Errors
     /// [`SceneError::NoFaces`], [`SceneError::NoSuchSurface`], and those of [`Region::new`].
     pub fn new(name: impl Into<String>, surfaces: Vec<Surface>, faces: Vec<Face>) -> Result<Self, SceneError> {
+        let model = Self::of_sound_faces(name, surfaces, faces.into_iter().enumerate().collect(), vec![]);
+        let model = model.map_err(|error| match error {
+            SceneError::NoFaceLeft { mut causes } => causes.swap_remove(0),
+            other => other,
+        })?;
+        let left_out = model.notes.into_iter().find_map(|note| match note {
+            Note::FaceLeftOut { cause, .. } => Some(cause),
+            _ => None,
+        });
+        match left_out {
+            Some(cause) => Err(cause),
+            None => Ok(Self { notes: vec![], ..model }),
+        }
+    }
+
+    /// A model of those of the given faces, each with the number that it has in its file, whose loops bound a region.
+    ///
+    /// A face that has none is left out, and [`Self::notes`] says so after the `notes` given here. Several faces may have
+    /// one number, as the parts of a face that was cut: then a part in which no loop leaves material is no loss.
+    ///
+    /// # Errors
+    /// [`SceneError::NoFaces`], [`SceneError::NoSuchSurface`], and [`SceneError::NoFaceLeft`] where all are left out.
+    pub fn of_sound_faces(
+        name: impl Into<String>,
+        surfaces: Vec<Surface>,
+        faces: Vec<(usize, Face)>,
+        mut notes: Vec<Note>,
+    ) -> Result<Self, SceneError> {
         if faces.is_empty() {
             return Err(SceneError::NoFaces);
         }
         let count = surfaces.len();
-        if let Some(face) = faces.iter().position(|f| f.surface >= count) {
-            return Err(SceneError::NoSuchSurface { face, surface: faces[face].surface, count });
+        if let Some((face, Face { surface, .. })) = faces.iter().find(|(_, f)| f.surface >= count) {
+            return Err(SceneError::NoSuchSurface { face: *face, surface: *surface, count });
         }
-        let region = |(index, face): (usize, &Face)| Region::new(index, face, &surfaces[face.surface]);
-        let regions: Vec<Option<Region>> = faces.iter().enumerate().map(region).collect::<Result<_, _>>()?;
-        let hull = Extent::new(&surfaces, &faces, &regions).hull();
-        Ok(Self { name: name.into(), surfaces, faces, regions, hull })
+        let extent = faces.iter().map(|(_, face)| from_origin(&surfaces[face.surface])).fold(0.0, f64::max);
+        let (mut sound, mut numbers, mut regions, mut causes) = (vec![], vec![], vec![], vec![]);
+        let mut known: Option<usize> = None;
+        let mut faces = faces.into_iter().peekable();
+        while let Some((number, face)) = faces.next() {
+            match Region::new(number, &face, &surfaces[face.surface], extent) {
+                Ok(region) => {
+                    // The parts of a face say the same.
+                    if let Some(region) = region.as_ref().filter(|_| known != Some(number)) {
+                        notes.extend(notes_of(number, region));
+                    }
+                    known = Some(number);
+                    sound.push(face);
+                    numbers.push(number);
+                    regions.push(region);
+                }
+                Err(SceneError::NoMaterial { .. }) if known == Some(number) => {}
+                Err(SceneError::NoMaterial { .. }) if faces.peek().is_some_and(|(next, _)| *next == number) => {}
+                Err(cause) => causes.push((number, cause)),
+            }
+        }
+        if sound.is_empty() {
+            return Err(SceneError::NoFaceLeft { causes: causes.into_iter().map(|(_, cause)| cause).collect() });
+        }
+        notes.extend(causes.into_iter().map(|(face, cause)| Note::FaceLeftOut { face, cause }));
+        let hull = Extent::new(&surfaces, &sound, &regions).hull();
+        Ok(Self { name: name.into(), surfaces, faces: sound, numbers, regions, hull, notes })
     }
 
     /// A model with one whole face a surface.
@@ -69,6 +123,19 @@ impl Model {
     /// All faces, in order of [`FaceId`].
     pub fn faces(&self) -> &[Face] {
         &self.faces
+    }
+
+    /// What of its file is not drawn as it stands there; empty for a model that was not read from one.
+    pub fn notes(&self) -> &[Note] {
+        &self.notes
+    }
+
+    /// The number that a face has in its file: another one where faces before it were left out or cut.
+    ///
+    /// # Panics
+    /// Where `id` is not one of this model's faces.
+    pub fn number_in_file(&self, id: FaceId) -> usize {
+        self.numbers[id.0 as usize]
     }
 
     /// The surface of a face.
@@ -151,4 +218,16 @@ impl Model {
         }
         format!("{hash:016x}")
     }
+}
+
+/// The greatest distance of a surface's control box from the origin, along any axis.
+fn from_origin(surface: &Surface) -> f64 {
+    let hull = surface.hull();
+    hull.min.abs().max(hull.max.abs()).max_element()
+}
+
+fn notes_of(face: usize, region: &Region) -> Vec<Note> {
+    let repairs = region.repairs();
+    let dropped = repairs.dropped.iter().map(|&boundary| Note::LoopDropped { face, boundary });
+    dropped.chain(repairs.wide_gaps.iter().map(|gap| Note::WideGap { face, gap: gap.clone() })).collect()
 }

@@ -1,6 +1,7 @@
 //! The pictures of a comparison, for the terminal and the `--out` folder.
 
-use anyhow::{Context, Result};
+use crate::output;
+use anyhow::Result;
 use gbuffer::{GBuffer, Hit, Picture, Shading};
 use scene::{Camera, Model, Viewport};
 use std::path::Path;
@@ -80,7 +81,7 @@ impl Pictures {
 
     /// Writes all of them to a folder, which is made if need be.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        output::folder(folder)?;
         for (name, samples) in &self.shaded {
             Picture::average(samples)?.write_png(folder.join(format!("{name}.png")))?;
         }

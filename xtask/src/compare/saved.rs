@@ -6,6 +6,7 @@
 use super::{CompareArgs, answer, pictures::Pictures, table};
 use crate::antialias::Antialias;
 use crate::masks::TrimGrant;
+use crate::say;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
@@ -104,22 +105,6 @@ impl SavedFile {
         self.path.display()
     }
 
-    /// The model that the file shows: `named`, or the built-in one that its `meta` names.
-    fn model(&self, named: Option<&str>) -> Result<Model> {
-        let meta = self.buffer.meta();
-        let model = match named {
-            Some(name) => ModelArgs { model: name.to_owned() }.open()?,
-            None => formats::builtin(&meta.model).with_context(|| {
-                format!("{}: its model {:?} is no built-in one; name its file by --model", self.place(), meta.model)
-            })?,
-        };
-        if model.hash() != meta.model_hash {
-            let (name, hash, shown) = (model.name(), model.hash(), &meta.model_hash);
-            bail!("{}: it shows a model with hash {shown:?}; {name:?} has {hash:?}", self.place());
-        }
-        Ok(model)
-    }
-
     /// Every hit is on a face of the model and inside its domain.
     fn check_hits(&self, model: &Model) -> Result<()> {
         let width = self.buffer.viewport().width();
@@ -190,6 +175,22 @@ impl SavedFile {
     }
 }
 
+/// The model that the file of this `meta` shows: `named`, or the built-in one that its `meta` names.
+fn shown(path: &Path, meta: &Meta, named: Option<&str>) -> Result<Model> {
+    let place = path.display();
+    let model = match named {
+        Some(name) => ModelArgs::named(name).open()?,
+        None => formats::builtin(&meta.model).with_context(|| {
+            format!("{place}: its model {:?} is no built-in one; name its file by --model", meta.model)
+        })?,
+    };
+    if model.hash() != meta.model_hash {
+        let (name, hash, shown) = (model.name(), model.hash(), &meta.model_hash);
+        bail!("{place}: it shows a model with hash {shown:?}; {name:?} has {hash:?}");
+    }
+    Ok(model)
+}
+
 impl Saved {
     /// Reads one or two files of one scene.
     ///
@@ -197,23 +198,30 @@ impl Saved {
     /// Where a file is bad, does not show the model (`model`, or the built-in one that it names), or shows another model,
     /// size or view than the first.
     pub fn open(paths: &[PathBuf], model: Option<&str>) -> Result<Self> {
-        let mut files = paths.iter().map(|path| SavedFile::open(path)).collect::<Result<Vec<SavedFile>>>()?;
-        let first = files.first().context("there is no saved G-buffer to compare")?;
-        let (model, camera, viewport) = (first.model(model)?, first.camera, first.buffer.viewport());
-        for file in &files {
+        // What a file says of itself comes first: its arrays may be a thousand times as long as the file.
+        let facts = paths.iter().map(GBuffer::read_npz_meta).collect::<Result<Vec<(Meta, Viewport)>, _>>()?;
+        let ((meta, viewport), path) =
+            facts.first().zip(paths.first()).context("there is no saved G-buffer to compare")?;
+        let (model, viewport) = (shown(path, meta, model)?, *viewport);
+        for ((own, size), place) in facts.iter().zip(paths) {
             let differs = |what, own: String, firsts: String| {
-                bail!("{}: its {what} {own} is not that of {}, {firsts}", file.place(), first.place())
+                bail!("{}: its {what} {own} is not that of {}, {firsts}", place.display(), path.display())
             };
-            let (own, firsts) = (file.buffer.meta(), first.buffer.meta());
-            if own.model_hash != firsts.model_hash {
-                return differs("model's hash", own.model_hash.clone(), firsts.model_hash.clone());
+            if own.model_hash != meta.model_hash {
+                return differs("model's hash", own.model_hash.clone(), meta.model_hash.clone());
             }
-            if file.buffer.viewport() != viewport {
-                let size = |v: Viewport| format!("{}x{}", v.width(), v.height());
-                return differs("size", size(file.buffer.viewport()), size(viewport));
+            if *size != viewport {
+                let text = |v: Viewport| format!("{}x{}", v.width(), v.height());
+                return differs("size", text(*size), text(viewport));
             }
+        }
+        let mut files = paths.iter().map(|path| SavedFile::open(path)).collect::<Result<Vec<SavedFile>>>()?;
+        let first = &files[0];
+        let camera = first.camera;
+        for file in &files {
             if file.camera != camera {
-                return differs("camera", own.camera.to_string(), firsts.camera.to_string());
+                let [own, firsts] = [file, first].map(|file| file.buffer.meta().camera.to_string());
+                bail!("{}: its camera {own} is not that of {}, {firsts}", file.place(), first.place());
             }
             file.check_hits(&model)?;
         }
@@ -402,14 +410,15 @@ impl<'a> FileReport<'a> {
     }
 }
 
-fn print(report: &Report) {
-    println!("{}, {}x{}", report.model, report.size[0], report.size[1]);
+fn print(report: &Report) -> Result<()> {
+    say!("{}, {}x{}", report.model, report.size[0], report.size[1])?;
     for FileReport { file, renderer, technique, adapter, version, covered, .. } in &report.files {
         let adapter = adapter.map_or(String::new(), |name| format!(" on {name:?}"));
-        println!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered");
+        say!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered")?;
     }
-    table::pairs(report.pairs);
+    table::pairs(report.pairs)?;
     if report.undecided > 0 {
-        println!("the ray caster left {} pixels undecided", report.undecided);
+        say!("the ray caster left {} pixels undecided", report.undecided)?;
     }
+    Ok(())
 }

@@ -2,6 +2,8 @@
 
 use super::rendered::Report;
 use crate::antialias::SampleReport;
+use crate::{say, terminal};
+use anyhow::Result;
 use comfy_table::{Attribute, Cell, Color, Table, presets::UTF8_FULL_CONDENSED};
 use compare::{PairReport, Verdict};
 use std::collections::BTreeSet;
@@ -10,35 +12,40 @@ use std::collections::BTreeSet;
 const LISTED: usize = 8;
 
 /// Prints what the three renderers' comparison found.
-pub(super) fn print(report: &Report) {
+pub(super) fn print(report: &Report) -> Result<()> {
     let adapter = match (&report.adapter, &report.gpu_not_run) {
         (Some(name), _) => format!("{name} ({})", report.driver.as_deref().unwrap_or("driver unknown")),
         (None, Some(why)) => format!("NOT RUN: {why}"),
         (None, None) => "none".to_owned(),
     };
-    println!(
+    say!(
         "{}, technique {}, {}x{}, {} triangles\ngpu: {adapter}",
-        report.model, report.technique, report.size[0], report.size[1], report.triangles
-    );
+        report.model,
+        report.technique,
+        report.size[0],
+        report.size[1],
+        report.triangles
+    )?;
     if let Some(masks) = &report.masks {
-        println!("{}", masks.line());
+        say!("{}", masks.line())?;
     }
     if report.samples.len() > 1 {
-        println!("{} samples a pixel, each judged by itself: pixels count once for each", report.samples.len());
+        say!("{} samples a pixel, each judged by itself: pixels count once for each", report.samples.len())?;
     }
-    pairs(report.pairs);
-    shifts(report);
+    pairs(report.pairs)?;
+    shifts(report)?;
     if let Some(shaded) = &report.shaded {
         let verdict = if shaded.verdict == Verdict::Agree { "agree" } else { "DIFFER" };
         let at = shaded.first.map_or(String::new(), |[x, y]| format!(", first at ({x}, {y}){}", sample(shaded.sample)));
-        println!("picture shaded by the GPU: {} of {} pixels differ{at}: {verdict}", shaded.differ, shaded.covered);
+        say!("picture shaded by the GPU: {} of {} pixels differ{at}: {verdict}", shaded.differ, shaded.covered)?;
     }
     if report.undecided > 0 {
-        println!("the ray caster left {} pixels undecided", report.undecided);
+        say!("the ray caster left {} pixels undecided", report.undecided)?;
     }
     if let Some(note) = report.masks.as_ref().and_then(|masks| masks.note.as_deref()) {
-        println!("note: {note}");
+        say!("note: {note}")?;
     }
+    Ok(())
 }
 
 /// Names a pixel's sample, where it has several.
@@ -47,16 +54,17 @@ fn sample(sample: Option<usize>) -> String {
 }
 
 /// Says how `pixel` is shown the samples that hold the worst pixels.
-fn shifts(report: &Report) {
+fn shifts(report: &Report) -> Result<()> {
     let listed = report.pairs.iter().flat_map(|pair| pair.worst.iter().take(LISTED)).filter_map(|pixel| pixel.sample);
     for sample in listed.collect::<BTreeSet<_>>() {
         let SampleReport { position, lens_shift: [right, up] } = report.samples[sample];
-        println!("sample {sample}, at {position:?} of its pixel: `pixel … --lens-shift {right} {up}` explains one");
+        say!("sample {sample}, at {position:?} of its pixel: `pixel … --lens-shift {right} {up}` explains one")?;
     }
+    Ok(())
 }
 
 /// Prints a row a pair, then their causes and worst pixels.
-pub(super) fn pairs(pairs: &[PairReport]) {
+pub(super) fn pairs(pairs: &[PairReport]) -> Result<()> {
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([
@@ -90,36 +98,40 @@ pub(super) fn pairs(pairs: &[PairReport]) {
             Cell::new(text).fg(colour).add_attribute(Attribute::Bold),
         ]);
     }
-    println!("{table}");
+    terminal::table(&table)?;
     for pair in pairs {
-        println!("{} | {}: bound: {}", pair.reference, pair.candidate, pair.bounds);
+        say!("{} | {}: bound: {}", pair.reference, pair.candidate, pair.bounds)?;
         if let Some(edges) = &pair.edges {
-            println!(
+            say!(
                 "  {} pixels record a trim edge, off by at most {:.5} px (≤ {:.5}; largest bound {:.5})",
-                edges.recorded, edges.max_px, edges.bound_px, edges.greatest_bound_px
-            );
+                edges.recorded,
+                edges.max_px,
+                edges.bound_px,
+                edges.greatest_bound_px
+            )?;
         }
         if pair.unbounded > 0 {
-            println!("  {} pixels with a value that has no bound in f32 (poles): counted, not judged", pair.unbounded);
+            say!("  {} pixels with a value that has no bound in f32 (poles): counted, not judged", pair.unbounded)?;
         }
         if pair.ambiguous > 0 {
-            println!("  {} pixels where f32 leaves a decision open: any of its answers is right", pair.ambiguous);
+            say!("  {} pixels where f32 leaves a decision open: any of its answers is right", pair.ambiguous)?;
         }
         if pair.unconverged > 0 {
-            println!("  {} pixels where {} did not converge", pair.unconverged, pair.candidate);
+            say!("  {} pixels where {} did not converge", pair.unconverged, pair.candidate)?;
         }
         if let Some(same) = pair.identical {
-            println!("  {} of {} pixels at the same (u, v) agree in every bit", same.identical, same.alike);
+            say!("  {} of {} pixels at the same (u, v) agree in every bit", same.identical, same.alike)?;
         }
         if let Some(explanation) = &pair.explanation {
-            println!("  {explanation}");
+            say!("  {explanation}")?;
         }
         for (cause, count) in &pair.causes {
-            println!("  {count} pixels: {}", cause.label());
+            say!("  {count} pixels: {}", cause.label())?;
         }
         for pixel in pair.worst.iter().take(LISTED) {
             let (of, cause) = (sample(pixel.sample), pixel.cause.label());
-            println!("    ({}, {}){of} {cause}: {}", pixel.x, pixel.y, pixel.detail);
+            say!("    ({}, {}){of} {cause}: {}", pixel.x, pixel.y, pixel.detail)?;
         }
     }
+    Ok(())
 }

@@ -185,8 +185,102 @@ impl fmt::Display for CaseKey {
     }
 }
 
-/// Part `index` (from 1) of `count` of a suite.
+/// Everything that a run of some scenes comes to, by which its report is recognised.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Corpus {
+    /// The suite.
+    pub suite: Suite,
+    /// Its scenes, in order.
+    pub scenes: Vec<SceneInfo>,
+    /// Its cases, in order.
+    pub cases: Vec<PlannedCase>,
+    /// A 64-bit FNV-1a hash of all of it, and of the models' own hashes.
+    pub hash: String,
+}
+
+/// A case before it is run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedCase {
+    /// Which.
+    pub key: CaseKey,
+    /// Side of its square picture, pixels.
+    pub side: usize,
+    /// The options of `pixel` and `compare` that show it: model, camera, size, plan.
+    pub options: String,
+}
+
+impl Corpus {
+    /// What `scenes` are in a suite.
+    ///
+    /// # Panics
+    /// Where a scene's model is not built in; a test shows that each is.
+    pub fn new(suite: Suite, scenes: &[&'static Scene]) -> Self {
+        let side = suite.side();
+        let viewport = Viewport::new(side, side).expect("a legal size");
+        let mut corpus = Self { suite, scenes: vec![], cases: vec![], hash: String::new() };
+        let mut hash = 0xcbf2_9ce4_8422_2325u64;
+        let mut add = |text: &str| {
+            for byte in text.bytes().chain([0]) {
+                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+            }
+        };
+        for scene in scenes {
+            let model = formats::builtin(scene.model).expect("the corpus names built-in models");
+            let info = SceneInfo::of(scene);
+            for text in [&info.name, &info.model, &info.stresses, &info.unbounded_share.to_string(), &model.hash()] {
+                add(text);
+            }
+            corpus.scenes.push(info);
+            for &viewpoint in suite.viewpoints(scene) {
+                let camera = viewpoint.camera(&model, viewport);
+                for plan in suite.plans(scene) {
+                    let key = scene.key(viewpoint, plan);
+                    let options = format!("{} {}", scene.model, command_options(&camera, viewport, plan));
+                    add(&format!("{key} {options}"));
+                    corpus.cases.push(PlannedCase { key, side, options });
+                }
+            }
+        }
+        corpus.hash = format!("{hash:016x}");
+        corpus
+    }
+}
+
+/// A scene of a report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneInfo {
+    /// Its name.
+    pub name: String,
+    /// Name of its model.
+    pub model: String,
+    /// What it stresses.
+    pub stresses: String,
+    /// The share of covered pixels that may have no bound.
+    pub unbounded_share: f64,
+}
+
+impl SceneInfo {
+    fn of(scene: &Scene) -> Self {
+        let stresses = match scene.beyond_exact {
+            None => scene.stresses.to_owned(),
+            Some(reason) => format!("{}; not drawn by technique exact: {reason}", scene.stresses),
+        };
+        Self {
+            name: scene.name.to_owned(),
+            model: scene.model.to_owned(),
+            stresses,
+            unbounded_share: scene.unbounded_share,
+        }
+    }
+}
+
+/// The most parts that a suite is cut into: more than it has scenes, and few enough to count them one by one.
+pub const MAX_SHARDS: usize = 1000;
+
+/// Part `index` (from 1) of `count` of a suite, at most [`MAX_SHARDS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "RawShard")]
 pub struct Shard {
     /// Which part, from 1.
     pub index: usize,
@@ -194,7 +288,37 @@ pub struct Shard {
     pub count: usize,
 }
 
+/// A part as it stands in a file, before it is judged.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawShard {
+    index: usize,
+    count: usize,
+}
+
+impl TryFrom<RawShard> for Shard {
+    type Error = anyhow::Error;
+
+    fn try_from(raw: RawShard) -> Result<Self> {
+        Self::new(raw.index, raw.count)
+    }
+}
+
 impl Shard {
+    /// Part `index` of `count`.
+    ///
+    /// # Errors
+    /// Where there is no such part, or too many.
+    pub fn new(index: usize, count: usize) -> Result<Self> {
+        if index < 1 || index > count {
+            bail!("shard {index}/{count}: the first number goes from 1 to the second");
+        }
+        if count > MAX_SHARDS {
+            bail!("shard {index}/{count}: a suite has at most {MAX_SHARDS} parts");
+        }
+        Ok(Self { index, count })
+    }
+
     /// The whole suite.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
@@ -216,10 +340,7 @@ impl FromStr for Shard {
     fn from_str(text: &str) -> Result<Self> {
         let parts = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
         let (index, count) = parts.with_context(|| format!("{text:?} is not K/N, as in 2/3"))?;
-        if index < 1 || index > count {
-            bail!("shard {text}: the first number goes from 1 to the second");
-        }
-        Ok(Self { index, count })
+        Self::new(index, count)
     }
 }
 

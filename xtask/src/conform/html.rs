@@ -1,8 +1,10 @@
 //! A report as one HTML file that opens from disk: page, style, script and data, and nothing fetched.
 
 use super::report::{Report, State, Subject};
+use crate::text::{escaped, escaped_lines};
 use anyhow::Result;
 use serde::Serialize;
+use serde_json::Value;
 
 const PAGE: &str = include_str!("../../assets/report.html");
 const STYLE: &str = include_str!("../../assets/report.css");
@@ -34,9 +36,21 @@ pub fn page(report: &Report) -> Result<String> {
         subjects: report.subjects.iter().map(|subject| subject_data(report, subject)).collect(),
     };
     // Inside a script element only `<` could end the data, in a driver's name or a message.
-    let data = serde_json::to_string(&data)?.replace('<', "\\u003c");
+    let data = visible(serde_json::to_value(&data)?).to_string().replace('<', "\\u003c");
     // The data goes in last: nothing in it is taken for a place to fill.
     Ok(PAGE.replace("/*STYLE*/", STYLE).replace("/*SCRIPT*/", SCRIPT).replacen("/*DATA*/", &data, 1))
+}
+
+/// The same with the hidden characters of each text escaped: a page, too, can be turned around by a name.
+fn visible(value: Value) -> Value {
+    match value {
+        Value::String(text) => Value::String(escaped_lines(&text).into_owned()),
+        Value::Array(values) => values.into_iter().map(visible).collect(),
+        Value::Object(members) => {
+            members.into_iter().map(|(key, value)| (escaped(&key).into_owned(), visible(value))).collect()
+        }
+        other => other,
+    }
 }
 
 fn subject_data<'a>(report: &'a Report, subject: &'a Subject) -> SubjectData<'a> {

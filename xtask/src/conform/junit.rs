@@ -2,6 +2,7 @@
 //! subject, a test case for each comparison.
 
 use super::report::{Case, Outcome, Pair, Report, Subject};
+use crate::text::escaped;
 use anyhow::Result;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
@@ -15,7 +16,7 @@ struct TestCase {
     outcome: Finding,
 }
 
-/// How a test case ended; words for the attribute, words for the body.
+/// How a test case ended; words for the attribute, and lines of [`plain`] words for the body.
 enum Finding {
     Passed,
     Failed(String, String),
@@ -84,7 +85,7 @@ fn test_case(writer: &mut Writer<Vec<u8>>, case: &TestCase) -> io::Result<()> {
     };
     element.write_inner_content(|writer| {
         let child = writer.create_element(tag).with_attribute(("message", plain(message).as_str()));
-        child.write_text_content(BytesText::new(&plain(body))).map(|_| ())
+        child.write_text_content(BytesText::new(body)).map(|_| ())
     })?;
     Ok(())
 }
@@ -119,13 +120,14 @@ fn of_pair(case: &Case, pair: &Pair, seconds: f64) -> TestCase {
         let mut body: Vec<String> =
             pair.worst.iter().map(|p| format!("({}, {}) {}: {}", p.x, p.y, p.cause, p.detail)).collect();
         body.push(format!("again: cargo xtask compare {}", case.options));
+        let body: Vec<String> = body.iter().map(|line| plain(line)).collect();
         Finding::Failed(pair.reasons.join(", "), body.join("\n"))
     };
     TestCase { name, class: class(&case.key.scene), seconds, outcome }
 }
 
 fn of_error(case: &Case, outcome: &Outcome, error: &str) -> TestCase {
-    let again = format!("again: cargo xtask compare {}", case.options);
+    let again = plain(&format!("again: cargo xtask compare {}", case.options));
     let finding = Finding::Error(error.to_owned(), again);
     let (name, class) = (case.key.to_string(), class(&case.key.scene));
     TestCase { name, class, seconds: outcome.seconds, outcome: finding }
@@ -148,7 +150,7 @@ fn time(seconds: f64) -> String {
     format!("{seconds:.3}")
 }
 
-/// A driver's words without the control characters that XML 1.0 has no way to hold.
+/// A driver's words on one line, with those characters escaped that XML 1.0 has no way to hold or that show nothing of themselves.
 fn plain(text: &str) -> String {
-    text.chars().filter(|&c| c >= ' ' && c != '\u{fffe}' && c != '\u{ffff}' || c == '\n' || c == '\t').collect()
+    escaped(text).chars().filter(|&c| c != '\u{fffe}' && c != '\u{ffff}').collect()
 }

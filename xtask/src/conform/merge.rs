@@ -1,13 +1,17 @@
 //! `conform merge`: shards and adapters of several machines, joined into one report.
 
-use super::corpus::Shard;
+use super::check::check;
+use super::corpus::{Corpus, Shard};
 use super::report::{Case, Outcome, Report, Subject};
-use super::{OutputArgs, finish};
+use super::{OutputArgs, claim, finish};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// Missing shards that are named.
+const NAMED: usize = 8;
 
 /// Join the reports of shards and of several machines into one
 ///
@@ -32,21 +36,22 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         let path = if path.is_dir() { path.join("report.json") } else { path.clone() };
         read.push((Report::read(&path)?, path));
     }
-    let merged = merged(&read)?;
-    std::fs::create_dir_all(&args.output.out).with_context(|| args.output.out.display().to_string())?;
+    let suite = read.first().map(|(report, _)| report.suite).context("nothing to merge")?;
+    let merged = merged(&read, &Corpus::new(suite, &suite.scenes()))?;
+    let _lock = claim(&args.output.out, suite, Shard::WHOLE)?;
     finish(&merged, &args.output)
 }
 
-/// One report of several, at least one.
+/// One report of several, at least one, of which nothing is believed that `corpus` or its own counts contradict.
 ///
 /// Subjects are joined by their identity. The CPU rasterizer is the same everywhere, and so must be what it gave;
 /// an adapter's shard may be there only once.
 ///
 /// # Errors
-/// Where programs, suites or corpora differ, a shard of an adapter is there twice, or the CPU rasterizer gave two
+/// Where a report does not pass [`check`], a shard of an adapter is there twice, or the CPU rasterizer gave two
 /// answers: the files and what they differ in are named.
-pub fn merged(reports: &[(Report, PathBuf)]) -> Result<Report> {
-    let [(first, first_path), ..] = reports else { bail!("nothing to merge") };
+pub fn merged(reports: &[(Report, PathBuf)], corpus: &Corpus) -> Result<Report> {
+    let [(first, _), ..] = reports else { bail!("nothing to merge") };
     let mut whole = Report {
         shard: Shard::WHOLE,
         sources: vec![],
@@ -57,7 +62,7 @@ pub fn merged(reports: &[(Report, PathBuf)]) -> Result<Report> {
     };
     let mut from: BTreeMap<(String, String), &Path> = BTreeMap::new();
     for (report, path) in reports {
-        fits(first, first_path, report, path)?;
+        check(report, corpus).with_context(|| path.display().to_string())?;
         whole.sources.extend(report.sources.iter().cloned());
         for note in &report.notes {
             whole.notes.push(format!("{}: {note}", path.display()));
@@ -85,21 +90,6 @@ pub fn merged(reports: &[(Report, PathBuf)]) -> Result<Report> {
     let missing = missing_shards(&whole);
     whole.notes.extend(missing);
     Ok(whole)
-}
-
-/// Nothing where two reports are of one program, suite and corpus.
-fn fits(first: &Report, first_path: &Path, report: &Report, path: &Path) -> Result<()> {
-    let (a, b) = (first_path.display(), path.display());
-    if first.program != report.program {
-        bail!("{b} is of program version {}, {a} of {}", report.program, first.program);
-    }
-    if first.suite != report.suite {
-        bail!("{b} is of suite {}, {a} of {}", report.suite.name(), first.suite.name());
-    }
-    if first.scenes != report.scenes || first.planned != report.planned {
-        bail!("{b} is of another corpus than {a}, although the program version is the same");
-    }
-    Ok(())
 }
 
 fn join_subject(subjects: &mut Vec<Subject>, subject: &Subject) {
@@ -149,7 +139,13 @@ fn missing_shards(whole: &Report) -> Vec<String> {
             let missing = (1..=count).map(|index| Shard { index, count }).filter(|shard| !shards.contains(shard));
             let missing: Vec<String> = missing.map(|shard| shard.to_string()).collect();
             if !missing.is_empty() && !whole.missing(&subject.id).is_empty() {
-                notes.push(format!("{}: shard {} is missing", subject.name, missing.join(", ")));
+                let more = if missing.len() > NAMED {
+                    format!(" (and {} more)", missing.len() - NAMED)
+                } else {
+                    String::new()
+                };
+                let named = missing[..missing.len().min(NAMED)].join(", ");
+                notes.push(format!("{}: shard {named} is missing{more}", subject.name));
             }
         }
     }

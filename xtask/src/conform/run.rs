@@ -1,8 +1,8 @@
 //! A run: each case rendered by ray caster and CPU rasterizer once, by each adapter, and compared in all pairs.
 
-use super::corpus::{Scene, Shard, Suite, Viewpoint, command_options};
+use super::corpus::{Corpus, Scene, Shard, Suite, Viewpoint, command_options};
 use super::pictures::data_uri;
-use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, SceneInfo, Source, Subject};
+use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
 use crate::compare::pictures::difference;
 use crate::stage::{Plan, Stage};
 use crate::terminal;
@@ -80,11 +80,14 @@ pub fn host() -> String {
     format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH)
 }
 
+/// What the CPU rasterizer is called, and how its identity begins.
+pub const CPU: &str = "CPU rasterizer";
+
 /// The CPU rasterizer.
 fn cpu() -> Subject {
     Subject {
-        id: format!("CPU rasterizer | {}", host()),
-        name: "CPU rasterizer".to_owned(),
+        id: format!("{CPU} | {}", host()),
+        name: CPU.to_owned(),
         kind: "cpu".to_owned(),
         driver: String::new(),
         backend: String::new(),
@@ -127,9 +130,7 @@ impl Plans {
             started_unix: started,
             subjects: subjects.iter().map(|subject| subject.id.clone()).collect(),
         };
-        let keys = |scene: &'static Scene| {
-            self.views(scene).into_iter().map(move |(viewpoint, plan)| scene.key(viewpoint, plan))
-        };
+        let corpus = self.corpus();
         Report {
             schema: SCHEMA.to_owned(),
             schema_version: SCHEMA_VERSION,
@@ -137,20 +138,18 @@ impl Plans {
             suite: self.suite,
             shard: self.shard,
             sources: vec![source],
-            scenes: self.scenes.iter().map(|scene| scene_info(scene)).collect(),
-            planned: self.scenes.iter().flat_map(|scene| keys(scene)).collect(),
+            corpus: corpus.hash,
+            scenes: corpus.scenes,
+            planned: corpus.cases.into_iter().map(|case| case.key).collect(),
             subjects,
             cases: vec![],
             notes: vec![],
         }
     }
 
-    /// What is drawn of a scene, in order.
-    fn views(&self, scene: &Scene) -> Vec<(Viewpoint, Plan)> {
-        let viewpoints = self.suite.viewpoints(scene).iter();
-        viewpoints
-            .flat_map(|&viewpoint| self.suite.plans(scene).into_iter().map(move |plan| (viewpoint, plan)))
-            .collect()
+    /// What a report of this, of any of its shards, must be of.
+    pub fn corpus(&self) -> Corpus {
+        Corpus::new(self.suite, &self.scenes)
     }
 
     /// Runs it, adding to `report` and handing it to `keep` after each viewpoint of a scene.
@@ -191,19 +190,6 @@ impl Plans {
             }
         }
         Ok(())
-    }
-}
-
-fn scene_info(scene: &Scene) -> SceneInfo {
-    let stresses = match scene.beyond_exact {
-        None => scene.stresses.to_owned(),
-        Some(reason) => format!("{}; not drawn by technique exact: {reason}", scene.stresses),
-    };
-    SceneInfo {
-        name: scene.name.to_owned(),
-        model: scene.model.to_owned(),
-        stresses,
-        unbounded_share: scene.unbounded_share,
     }
 }
 

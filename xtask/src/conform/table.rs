@@ -1,6 +1,7 @@
 //! A report on the terminal: a table for each subject, the worst scenes first.
 
 use super::report::{Outcome, Report, State, Subject};
+use crate::text::escaped;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets::UTF8_FULL_CONDENSED};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -43,7 +44,7 @@ impl Row<'_> {
     }
 }
 
-/// The whole report in words.
+/// The whole report in words, with colours where standard output is a terminal; names in it are escaped.
 pub fn text(report: &Report) -> String {
     let mut out = String::new();
     for subject in &report.subjects {
@@ -53,7 +54,7 @@ pub fn text(report: &Report) -> String {
             let _ = writeln!(out, "{}", table(&rows));
         }
         for (key, reason) in differences(report, subject) {
-            let _ = writeln!(out, "  {key}: {reason}");
+            let _ = writeln!(out, "  {}: {}", escaped(&key), escaped(&reason));
         }
         let loose = loose(report, subject);
         if !loose.is_empty() {
@@ -62,7 +63,7 @@ pub fn text(report: &Report) -> String {
         }
         let missing = report.missing(&subject.id);
         if let Some(why) = &subject.failure {
-            let _ = writeln!(out, "  NOT RUN: {why}");
+            let _ = writeln!(out, "  NOT RUN: {}", escaped(why));
         }
         if !missing.is_empty() {
             let names: Vec<String> = missing.iter().take(NAMED).map(|key| key.to_string()).collect();
@@ -71,10 +72,11 @@ pub fn text(report: &Report) -> String {
         }
     }
     for case in report.cases.iter().filter(|case| case.error.is_some()) {
-        let _ = writeln!(out, "{}: {}", case.key, case.error.as_deref().unwrap_or_default());
+        let error = case.error.as_deref().unwrap_or_default();
+        let _ = writeln!(out, "{}: {}", escaped(&case.key.to_string()), escaped(error));
     }
     for note in &report.notes {
-        let _ = writeln!(out, "note: {note}");
+        let _ = writeln!(out, "note: {}", escaped(note));
     }
     let _ = write!(out, "{}", verdict(report));
     out
@@ -83,7 +85,7 @@ pub fn text(report: &Report) -> String {
 fn heading(subject: &Subject) -> String {
     let facts = [&subject.driver, &subject.backend, &subject.host];
     let facts: Vec<&str> = facts.into_iter().map(String::as_str).filter(|fact| !fact.is_empty()).collect();
-    format!("{} ({})", subject.name, facts.join(", "))
+    format!("{} ({})", escaped(&subject.name), escaped(&facts.join(", ")))
 }
 
 /// One row a scene: those that differ first, then by the largest share of a budget.
@@ -148,7 +150,7 @@ fn cells(row: &Row) -> Vec<Cell> {
     };
     let [s, n, k] = row.shares.map(|share| format!("{:.1}", 100.0 * share));
     vec![
-        Cell::new(row.scene),
+        Cell::new(escaped(row.scene)),
         Cell::new(row.cases),
         Cell::new(row.agree),
         Cell::new(row.covered),

@@ -4,6 +4,7 @@ use super::mutant::{Key, Mutant, tried_by};
 use super::record::{Group, Kind};
 use super::worker::Outcome;
 use crate::format::Format;
+use crate::{say, terminal};
 use anyhow::Result;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use pipeline::Technique;
@@ -120,8 +121,11 @@ impl Report {
     }
 
     /// The report for people.
-    pub fn print(&self) {
-        println!(
+    ///
+    /// # Errors
+    /// Where standard output takes no more.
+    pub fn print(&self) -> Result<()> {
+        say!(
             "{} mutants compile ({} do not); {} tried in {:.0} s: {} caught, {} equivalent, {} permitted, {} survive",
             self.generated,
             self.stillborn,
@@ -131,44 +135,47 @@ impl Report {
             self.reviewed.get(&Kind::Equivalent).unwrap_or(&0),
             self.reviewed.get(&Kind::Permitted).unwrap_or(&0),
             self.survivors.len()
-        );
-        shares("operator", &self.by_operator);
-        shares("file", &self.by_file);
-        counts("caught on scene", &self.by_scene);
-        counts("caught as", &self.by_cause);
+        )?;
+        shares("operator", &self.by_operator)?;
+        shares("file", &self.by_file)?;
+        counts("caught on scene", &self.by_scene)?;
+        counts("caught as", &self.by_cause)?;
         for mutant in &self.survivors {
-            println!("SURVIVES {}", words(mutant));
+            say!("SURVIVES {}", words(mutant))?;
         }
         for key in &self.refuted {
-            println!(
+            say!(
                 "CAUGHT, though reviewed as one that cannot be: {}: {:?} -> {:?}",
-                key.line, key.original, key.replacement
-            );
+                key.line,
+                key.original,
+                key.replacement
+            )?;
         }
         for key in &self.unknown {
-            println!("STALE on the reviewed list: {} {}: {:?}", key.file, key.function, key.line);
+            say!("STALE on the reviewed list: {} {}: {:?}", key.file, key.function, key.line)?;
         }
+        Ok(())
     }
 }
 
-fn shares(heading: &str, rows: &BTreeMap<String, [usize; 2]>) {
+fn shares(heading: &str, rows: &BTreeMap<String, [usize; 2]>) -> Result<()> {
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([heading, "tried", "caught"]);
     for (name, [tried, caught]) in rows {
         table.add_row([name.clone(), tried.to_string(), caught.to_string()]);
     }
-    println!("{table}");
+    terminal::table(&table)
 }
 
-fn counts(heading: &str, rows: &BTreeMap<String, usize>) {
+fn counts(heading: &str, rows: &BTreeMap<String, usize>) -> Result<()> {
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([heading, "mutants"]);
     for (name, count) in rows {
         table.add_row([name.clone(), count.to_string()]);
     }
-    println!("{table}");
+    terminal::table(&table)
 }
 
 /// File, place and change, in one line.
@@ -183,11 +190,10 @@ fn words(mutant: &Mutant) -> String {
 /// Prints mutants that were not tried.
 ///
 /// # Errors
-/// Never in practice: a mutant can always be written as JSON.
+/// Where standard output takes no more.
 pub fn list(mutants: &[Mutant], format: Format) -> Result<()> {
     match format {
-        Format::Json => println!("{}", serde_json::to_string(mutants)?),
-        Format::Table => mutants.iter().for_each(|mutant| println!("{}", words(mutant))),
+        Format::Json => terminal::json(&mutants),
+        Format::Table => mutants.iter().try_for_each(|mutant| say!("{}", words(mutant))),
     }
-    Ok(())
 }

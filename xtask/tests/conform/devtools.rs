@@ -2,6 +2,7 @@
 
 use base64::Engine;
 use serde_json::{Value, json};
+use std::io::Write;
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -11,6 +12,21 @@ use tungstenite::{Message, WebSocket};
 
 /// The longest wait for the browser, at its start and for each answer: a loaded machine of two cores stays below it.
 const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Set where a browser must be there, as in CI: then a test without one fails.
+const NEEDED: &str = "ISOPHOTE_NEED_BROWSER";
+
+/// Whether there is a browser. Where there is none, says plainly that `test`, `which` of the tests that need one, does
+/// not run: straight to standard error, since what a passing test prints is not shown.
+pub fn is_there(test: &str, which: &str) -> bool {
+    let there = Command::new("chromium").arg("--version").output().is_ok_and(|output| output.status.success());
+    if !there {
+        assert!(std::env::var_os(NEEDED).is_none(), "{NEEDED} is set, and there is no chromium");
+        let line = format!("NOT RUN: browser::{test} (browser test {which}): no chromium here; CI runs it\n");
+        std::io::stderr().write_all(line.as_bytes()).expect("standard error takes a line");
+    }
+    there
+}
 
 /// A page in a browser of its own.
 pub struct Page {

@@ -1,9 +1,9 @@
 //! JUnit and JSON against their schemas, with wrong documents to show that the schemas look.
 
 use crate::setting::{AGREEING, DIFFERING, Losing, folder, gpu, run};
+use crate::xsd::Schema;
 use serde_json::{Value, json};
 use std::path::Path;
-use std::process::Command;
 use xtask::conform::report::Report;
 use xtask::conform::{html, junit};
 
@@ -11,21 +11,15 @@ fn schema(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/schema").join(name)
 }
 
-/// What `xmllint` says of a document; empty where it is valid.
-fn invalid_junit(name: &str, bytes: &[u8]) -> String {
-    let path = folder(name).join("junit.xml");
-    std::fs::write(&path, bytes).expect("a file can be written");
-    let output = Command::new("xmllint")
-        .args(["--noout", "--nonet", "--schema"])
-        .args([schema("junit-10.xsd"), path])
-        .output()
-        .expect("xmllint: `apt-get install libxml2-utils`");
-    if output.status.success() { String::new() } else { String::from_utf8_lossy(&output.stderr).into_owned() }
+/// What the schema says of a document; empty where it is valid.
+fn invalid_junit(document: &[u8]) -> Vec<String> {
+    let text = std::fs::read_to_string(schema("junit-10.xsd")).expect("the schema is there");
+    Schema::read(&text).complaints(document)
 }
 
 /// What the schema says of a document; empty where it is valid.
 fn invalid_json(document: &Value) -> Vec<String> {
-    let text = std::fs::read_to_string(schema("conform-1.json")).expect("the schema is there");
+    let text = std::fs::read_to_string(schema("conform-2.json")).expect("the schema is there");
     let schema = serde_json::from_str(&text).expect("the schema is JSON");
     let validator = jsonschema::validator_for(&schema).expect("the schema is one");
     validator.iter_errors(document).map(|error| format!("{}: {error}", error.instance_path())).collect()
@@ -43,7 +37,7 @@ fn reports() -> Vec<(&'static str, Report)> {
 fn junit_is_valid_and_counts_what_the_report_says() {
     for (name, report) in reports() {
         let bytes = junit::xml(&report).expect("XML");
-        assert_eq!(invalid_junit(name, &bytes), "", "{name}");
+        assert_eq!(invalid_junit(&bytes), [""; 0], "{name}");
         let text = String::from_utf8(bytes).expect("UTF-8");
         let (failures, errors) = (text.matches("<failure").count(), text.matches("<error").count());
         match name {
@@ -59,15 +53,30 @@ fn junit_is_valid_and_counts_what_the_report_says() {
 #[test]
 fn the_junit_schema_refuses_what_is_wrong() {
     let text = String::from_utf8(junit::xml(&AGREEING).expect("XML")).expect("UTF-8");
+    let first = |from: &str, to: &str| text.replacen(from, to, 1);
     let wrong = [
-        ("no-name", text.replacen("<testcase name=", "<testcase nome=", 1)),
-        ("bad-time", text.replacen("time=\"", "time=\"soon", 1)),
-        ("stray-element", text.replacen("<properties>", "<verdict/><properties>", 1)),
-        ("cut-off", text[..text.len() / 2].to_owned()),
+        ("no name", first("<testcase name=", "<testcase nome=")),
+        ("bad time", first("time=\"", "time=\"soon")),
+        ("a time of four decimals", first("time=\"", "time=\"0.1234")),
+        ("a stray element", first("<properties>", "<verdict/><properties>")),
+        ("a stray element of the schema", first("<properties>", "<property name=\"a\" value=\"b\"/><properties>")),
+        ("another root", text.replace("testsuites", "verdicts")),
+        ("no count", first(" errors=", " wrongs=")),
+        ("text between", first("<properties>", "words<properties>")),
+        ("an attribute twice", first("<property name=", "<property name=\"again\" name=")),
+        ("no value", first(" value=\"", " worth=\"")),
+        ("an unknown reference", first("classname=\"", "classname=\"&verdict;")),
+        ("a control character", first("classname=\"", "classname=\"\u{1b}")),
+        ("a hidden control character", first("classname=\"", "classname=\"&#27;")),
+        ("markup in a value", first("classname=\"", "classname=\"<")),
+        ("two documents", text.clone() + &text),
+        ("cut off", text[..text.len() / 2].to_owned()),
+        ("nothing", String::new()),
     ];
     for (name, document) in wrong {
-        assert_ne!(invalid_junit(name, document.as_bytes()), "", "{name}");
+        assert_ne!(invalid_junit(document.as_bytes()), [""; 0], "{name}");
     }
+    assert_ne!(invalid_junit(b"<testsuites>\xff</testsuites>"), [""; 0]);
 }
 
 #[test]
@@ -84,14 +93,16 @@ fn json_is_valid_and_reads_back_as_it_was() {
 #[test]
 fn the_json_schema_refuses_what_is_wrong() {
     let whole = serde_json::to_value(&*DIFFERING).expect("JSON");
-    let wrong: [(&str, Value); 7] = [
+    let wrong: [(&str, Value); 9] = [
         ("/schema", json!("other")),
-        ("/schema_version", json!(2)),
+        ("/schema_version", json!(1)),
         ("/cases/0/outcomes/0/pairs/0/covered", json!(-1)),
         ("/cases/0/picture", json!("https://example.org/a.png")),
         ("/cases/0/outcomes/1/pairs/0/worst/0/candidate", json!({"face": 0})),
         ("/subjects/0/kind", json!("toaster")),
         ("/shard", json!("1/3")),
+        ("/shard/count", json!(4_000_000_000u64)),
+        ("/corpus", json!("")),
     ];
     for (place, value) in wrong {
         let mut document = whole.clone();

@@ -7,3 +7,4 @@ mod documents;
 mod faults;
 mod merging;
 mod setting;
+mod xsd;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 use xtask::conform::corpus::{SCENES, Scene, Shard, Suite};
-use xtask::conform::report::{Report, Subject};
+use xtask::conform::report::{Case, Report, Subject};
 use xtask::conform::run::{Adapter, DrawError, Gpu, Plans};
 use xtask::stage::Stage;
 
@@ -44,6 +44,18 @@ pub static AGREEING: LazyLock<Report> = LazyLock::new(|| run(Box::new(gpu())));
 
 /// The same on an adapter that moves one pixel of each picture.
 pub static DIFFERING: LazyLock<Report> = LazyLock::new(|| run(Box::new(Wrong(gpu()))));
+
+/// A report of the whole smoke suite in which every case came out as the first of `like` did.
+pub fn smoke(like: &Report) -> Report {
+    let plans = Plans { suite: Suite::Smoke, scenes: Suite::Smoke.scenes(), shard: Shard::WHOLE };
+    let mut report = plans.report(vec![]);
+    report.subjects = like.subjects.clone();
+    report.sources = like.sources.clone();
+    for planned in plans.corpus().cases {
+        report.cases.push(Case { key: planned.key, options: planned.options, ..like.cases[0].clone() });
+    }
+    report
+}
 
 /// An adapter that is gone after so many pictures.
 pub struct Losing {

@@ -4,7 +4,7 @@ use super::element::{Decoder, Element};
 use super::{CHUNK_ELEMENTS, shape};
 use crate::buffer::{NO_HIT, Parts};
 use crate::npy::Header;
-use crate::{GBuffer, GBufferError, Hit, PrincipalCurvatures};
+use crate::{GBuffer, GBufferError, Hit, LocalParameters, Meta, PrincipalCurvatures};
 use glam::{DVec2, DVec3};
 use nurbs::{Normal, NormalStatus};
 use scene::{Camera, FaceId, Viewport};
@@ -22,11 +22,18 @@ const DEFLATE_RATIO: u64 = 1032;
 const SHOWN_NAME: usize = 64;
 
 /// All arrays that a file may have.
-const ARRAYS: [&str; 13] =
-    ["hit", "face", "u", "v", "t", "pos", "normal", "status", "k1", "k2", "edge", "undecided", "meta"];
+const ARRAYS: [&str; 15] =
+    ["hit", "face", "u", "v", "span", "local", "t", "pos", "normal", "status", "k1", "k2", "edge", "undecided", "meta"];
 
-/// Reads a buffer; `path` names it in messages.
-pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuffer, GBufferError> {
+/// What an archive says of its arrays and its making, before any array is read.
+struct Opened<'a, R> {
+    source: Source<'a, R>,
+    present: Present,
+    viewport: Viewport,
+    meta: Meta,
+}
+
+fn opened<R: Read + Seek>(mut reader: R, path: &Path) -> Result<Opened<'_, R>, GBufferError> {
     let unreadable = |e: String| GBufferError::Archive { path: path.to_owned(), reason: lower_case(e) };
     let file_bytes = reader.seek(SeekFrom::End(0)).map_err(|e| unreadable(e.to_string()))?;
     let zip = ZipArchive::new(reader).map_err(|e| unreadable(e.to_string()))?;
@@ -36,6 +43,17 @@ pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuf
     let viewport = source.viewport(if present.hit { "hit" } else { "face" })?;
     source.check(&present, viewport)?;
     let meta = source.meta(viewport)?;
+    Ok(Opened { source, present, viewport, meta })
+}
+
+/// Reads the facts of a buffer and its size; `path` names it in messages.
+pub(super) fn facts<R: Read + Seek>(reader: R, path: &Path) -> Result<(Meta, Viewport), GBufferError> {
+    opened(reader, path).map(|Opened { meta, viewport, .. }| (meta, viewport))
+}
+
+/// Reads a buffer; `path` names it in messages.
+pub(super) fn archive<R: Read + Seek>(reader: R, path: &Path) -> Result<GBuffer, GBufferError> {
+    let Opened { mut source, present, viewport, meta } = opened(reader, path)?;
     let rays = match present.t {
         true => None,
         false => Some(Camera::deserialize(&meta.camera).map_err(|e| GBufferError::Meta {
@@ -48,6 +66,9 @@ pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuf
     let (index, mut hits) = source.index(&present, viewport)?;
     let fill = &mut Fill { index: &index, hits: &mut hits };
     source.points(viewport, fill)?;
+    if present.local {
+        source.local(viewport, fill)?;
+    }
     match rays {
         None => source.fill("t", viewport, fill, |hit, t| number(t).map(|t| hit.t = t))?,
         Some(camera) => measure(&camera, viewport, fill),
@@ -73,6 +94,8 @@ pub(super) fn archive<R: Read + Seek>(mut reader: R, path: &Path) -> Result<GBuf
 struct Present {
     hit: bool,
     t: bool,
+    /// Either of `span` and `local`; then both must be there.
+    local: bool,
     status: bool,
     /// Either of `k1` and `k2`; then both must be there.
     curvature: bool,
@@ -86,6 +109,7 @@ impl Present {
         Self {
             hit: has("hit"),
             t: has("t"),
+            local: has("span") || has("local"),
             status: has("status"),
             curvature: has("k1") || has("k2"),
             edge: has("edge"),
@@ -108,6 +132,7 @@ fn measure(camera: &Camera, viewport: Viewport, fill: &mut Fill) {
 const BLANK: Hit = Hit {
     face: FaceId(0),
     uv: DVec2::NAN,
+    local: None,
     t: f64::NAN,
     position: DVec3::NAN,
     normal: Normal::Undefined,
@@ -194,6 +219,10 @@ impl<R: Read + Seek> Source<'_, R> {
         for array in ["pos", "normal"] {
             self.array::<f64, 3>(array, viewport)?;
         }
+        if present.local {
+            self.array::<i64, 2>("span", viewport)?;
+            self.array::<f64, 2>("local", viewport)?;
+        }
         if present.edge {
             self.array::<f64, 2>("edge", viewport)?;
         }
@@ -202,7 +231,14 @@ impl<R: Read + Seek> Source<'_, R> {
 
     /// Which pixels hit something, as indices into the hits, and the hits with their faces.
     fn index(&mut self, present: &Present, viewport: Viewport) -> Result<(Vec<u32>, Vec<Hit>), GBufferError> {
-        let (mut index, mut hits) = (vec![], vec![]);
+        // Counted first: a vector that grows takes up to three times as much while it moves.
+        let mut count = 0;
+        let (array, blank) = if present.hit { ("hit", 0) } else { ("face", -1) };
+        self.visit(array, viewport, |_, [value]: [i64; 1]| {
+            count += usize::from(value != blank);
+            Ok(())
+        })?;
+        let (mut index, mut hits) = (Vec::with_capacity(viewport.pixels()), Vec::with_capacity(count));
         let mut add = |face: Option<FaceId>| {
             index.push(if face.is_some() { hits.len() as u32 } else { NO_HIT });
             hits.extend(face.map(|face| Hit { face, ..BLANK }));
@@ -272,6 +308,23 @@ impl<R: Read + Seek> Source<'_, R> {
                 None if k[0].is_nan() => {}
                 None => return Err(Wrong { value: k[0], expected: "NaN as k1 is" }),
             }
+            Ok(())
+        })
+    }
+
+    fn local(&mut self, viewport: Viewport, fill: &mut Fill) -> Result<(), GBufferError> {
+        let span = |k: i64| u32::try_from(k).map_err(|_| Wrong { value: k as f64, expected: "the number of a span" });
+        let share = |t: f64| match t {
+            0.0..=1.0 => Ok(t),
+            _ => Err(Wrong { value: t, expected: "a number from 0 to 1" }),
+        };
+        self.fill("span", viewport, fill, |hit, [u, v]: [i64; 2]| {
+            hit.local = Some(LocalParameters { span: [span(u)?, span(v)?], uv: DVec2::NAN });
+            Ok(())
+        })?;
+        self.fill("local", viewport, fill, |hit, [u, v]: [f64; 2]| {
+            let uv = DVec2::new(share(u)?, share(v)?);
+            hit.local = hit.local.map(|local| LocalParameters { uv, ..local });
             Ok(())
         })
     }

@@ -1,0 +1,173 @@
+//! The one place where files are opened for reading and written whole.
+//!
+//! What is read is not trusted: only regular files up to a limit, since a pipe or a device may never end. What is written
+//! replaces a file whole or not at all: a full disk, an error or a kill in the middle leaves the old file as it was.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, BufWriter, Read};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Names that are tried for a temporary file: each is taken only by one that a killed process of the same number left.
+const MAX_NAMES: u64 = 1000;
+
+/// The file in a folder that is locked while something writes there.
+const LOCK: &str = ".lock";
+
+/// Why a file is not read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The operating system refused.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The path is a directory, a pipe or a device.
+    #[error("not a regular file")]
+    NotAFile,
+    /// The file is larger than the caller allows.
+    #[error("{bytes} bytes are more than the {limit} allowed")]
+    TooLarge {
+        /// Its size, or what was read of a file that does not know its size.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
+}
+
+/// Why a folder is not locked.
+#[derive(Debug, thiserror::Error)]
+pub enum LockError {
+    /// The operating system refused.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// Another process, or another part of this one, holds it.
+    #[error("another run is writing to this folder")]
+    Taken,
+}
+
+/// Opens a regular file of at most `limit` bytes. Of a file that grows afterwards the reader must not read more.
+///
+/// # Errors
+/// Each of [`ReadError`].
+pub fn open(path: &Path, limit: u64) -> Result<File, ReadError> {
+    // Asked before opening: to open a pipe can wait for ever.
+    let metadata = fs::metadata(path)?;
+    if !metadata.is_file() {
+        return Err(ReadError::NotAFile);
+    }
+    if metadata.len() > limit {
+        return Err(ReadError::TooLarge { bytes: metadata.len(), limit });
+    }
+    Ok(File::open(path)?)
+}
+
+/// The bytes of a regular file, at most `limit` of them.
+///
+/// # Errors
+/// Each of [`ReadError`].
+pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
+    let file = open(path, limit)?;
+    let mut bytes = Vec::with_capacity(file.metadata()?.len().min(limit) as usize);
+    // The limit holds again here, for a file that grows meanwhile or does not know its size.
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
+        return Err(ReadError::TooLarge { bytes: bytes.len() as u64, limit });
+    }
+    Ok(bytes)
+}
+
+/// Writes a file by `fill`: under a name of its own in the same folder, synced to the disk, then renamed.
+///
+/// What was there stays until the new file is complete; its permissions pass to the new one, and a link stays a link.
+/// Only a kill leaves the temporary file, `.isophote-….part`, behind. A pipe or a device is written to as it is.
+///
+/// # Errors
+/// Those of `fill`, and where the folder cannot be written, the file that is there may not be, or the disk is full.
+pub fn write(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let there = fs::metadata(&target).ok();
+    if there.as_ref().is_some_and(|metadata| !metadata.is_file()) {
+        // Opening a directory for writing is an error, as it should be.
+        return filled(OpenOptions::new().write(true).open(&target)?, fill).map(|_| ());
+    }
+    if there.as_ref().is_some_and(|metadata| metadata.permissions().readonly()) {
+        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file that is there is read-only"));
+    }
+    let (beside, file) = Beside::new(&target)?;
+    if let Some(metadata) = there {
+        file.set_permissions(metadata.permissions())?;
+    }
+    filled(file, fill)?.sync_all()?;
+    beside.rename(&target)
+}
+
+/// Writes a file of these bytes, as [`write`] does.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write(path, |writer| io::Write::write_all(writer, bytes))
+}
+
+fn filled(file: File, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<File> {
+    let mut writer = BufWriter::new(file);
+    fill(&mut writer)?;
+    writer.into_inner().map_err(io::IntoInnerError::into_error)
+}
+
+/// A temporary file's name, which is removed when this is dropped.
+struct Beside(Option<PathBuf>);
+
+impl Beside {
+    /// An empty file in the folder of `target`, of a name that nothing else has.
+    fn new(target: &Path) -> io::Result<(Self, File)> {
+        static NUMBER: AtomicU64 = AtomicU64::new(0);
+        let mut last = io::Error::from(io::ErrorKind::AlreadyExists);
+        for _ in 0..MAX_NAMES {
+            let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+            let path = target.with_file_name(format!(".isophote-{}-{number}.part", std::process::id()));
+            match OpenOptions::new().write(true).create_new(true).open(&path) {
+                Ok(file) => return Ok((Self(Some(path)), file)),
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => last = error,
+                Err(error) => return Err(error),
+            }
+        }
+        Err(last)
+    }
+
+    fn rename(mut self, target: &Path) -> io::Result<()> {
+        let path = self.0.as_ref().expect("taken only below");
+        fs::rename(path, target)?;
+        self.0 = None;
+        Ok(())
+    }
+}
+
+impl Drop for Beside {
+    fn drop(&mut self) {
+        if let Some(path) = &self.0 {
+            // The error that led here is the one to report.
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
+/// A folder to which nobody else writes, until this is dropped.
+#[derive(Debug)]
+pub struct Lock {
+    /// Closing it unlocks it, at a kill, too. The file stays: to remove it would let two others each lock one.
+    _file: File,
+}
+
+/// Locks a folder, which is made if need be, by a file `.lock` in it.
+///
+/// # Errors
+/// [`LockError::Taken`] where another holds it.
+pub fn lock(folder: &Path) -> Result<Lock, LockError> {
+    fs::create_dir_all(folder)?;
+    let file = OpenOptions::new().write(true).create(true).truncate(false).open(folder.join(LOCK))?;
+    match file.try_lock() {
+        Ok(()) => Ok(Lock { _file: file }),
+        Err(TryLockError::WouldBlock) => Err(LockError::Taken),
+        Err(TryLockError::Error(error)) => Err(error.into()),
+    }
+}
