@@ -82,8 +82,17 @@ fn scaling_by_other_factors_changes_what_rounding_does() {
 fn rectangle([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> Loop {
     let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]].map(DVec2::from_array).to_vec();
     let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0]).unwrap();
-    let trim =
-        Trim { knots, points: corners, weights: None, reversed: false, seam: false, degenerate: false, edge: None };
+    let trim = Trim {
+        knots,
+        points: corners,
+        weights: None,
+        reversed: false,
+        seam: false,
+        degenerate: false,
+        edge: None,
+        edge_tolerance: 0.0,
+        vertex_tolerance: None,
+    };
     Loop { outer: true, trims: vec![trim] }
 }
 
@@ -128,11 +137,30 @@ fn two_thousand_faces_share_a_surface_of_many_spans() {
 #[test]
 fn a_metric_that_is_not_finite_is_near_to_nothing_at_once() {
     let face = Face { loops: vec![rectangle([0.25, 0.25], [0.75, 0.75])], ..Face::whole(0) };
-    let region = Region::new(0, &face, &plane(1)).unwrap().unwrap();
+    let region = Region::new(0, &face, &plane(1), 0.0).unwrap().unwrap();
     let classifier = Classifier::new(&region);
     for bad in [f64::NAN, f64::INFINITY] {
         assert!(!classifier.is_at_edge(DVec2::splat(0.5), DVec2::new(1.0, bad), 1e-9));
         assert!(!classifier.inside(DVec2::new(0.5, bad)));
         classifier.side(DVec2::splat(0.5), DVec2::splat(bad));
+    }
+}
+
+/// Moved to 2³⁰ and shrunk by 2⁻¹², every knot is exact and the surface the same: so are the hits.
+#[test]
+fn knots_far_from_zero_change_no_bit_of_a_hit() {
+    let mut random = Random(79);
+    for _ in 0..4 {
+        let near = random_net(&mut random);
+        let [u, v] = [Direction::U, Direction::V].map(|direction| {
+            let knots = near.knots(direction);
+            let moved = knots.knots().iter().map(|t| 1073741824.0 + t / 4096.0).collect();
+            KnotVector::new(knots.degree(), moved).unwrap()
+        });
+        let far = Surface::new(u, v, near.points().to_vec(), near.weights().map(<[f64]>::to_vec)).unwrap();
+        for (a, b) in picture(near).iter().zip(picture(far)) {
+            let of = |hit: &Hit| (hit.local, hit.t, hit.position, hit.normal);
+            assert_eq!(a.as_ref().map(of), b.as_ref().map(of));
+        }
     }
 }
