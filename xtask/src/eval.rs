@@ -4,7 +4,6 @@ use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use glam::DVec3;
 use nurbs::{Direction, KnotVector, NormalStatus, Surface, SurfacePoint};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -140,6 +139,7 @@ fn finite(name: &str, x: f64) -> Result<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     #[test]
     fn what_overflows_is_an_error_that_names_it() {
