@@ -14,3 +14,4 @@ mod samples;
 mod three_way;
 mod trim_texture;
 mod trims;
+mod vacuity;

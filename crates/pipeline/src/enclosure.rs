@@ -80,7 +80,7 @@ impl Parameter {
         if lost < f64::from(f32::EPSILON) / 16.0 {
             let [below, above] = [nearest.next_down(), nearest.next_up()].map(|x| x.clamp(0.0, 1.0));
             let mut same = [below, nearest, above].into_iter().filter(|&x| widen(x) == t);
-            match (same.next(), same.last()) {
+            match (same.next(), same.next_back()) {
                 (Some(low), Some(high)) => Self { low, high },
                 (Some(only), None) => Self::exact(only),
                 (None, _) if widen(nearest) < t => Self { low: nearest, high: above },

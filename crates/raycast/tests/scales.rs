@@ -82,18 +82,7 @@ fn scaling_by_other_factors_changes_what_rounding_does() {
 fn rectangle([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> Loop {
     let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]].map(DVec2::from_array).to_vec();
     let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0]).unwrap();
-    let trim = Trim {
-        knots,
-        points: corners,
-        weights: None,
-        reversed: false,
-        seam: false,
-        degenerate: false,
-        edge: None,
-        edge_tolerance: 0.0,
-        vertex_tolerance: None,
-    };
-    Loop { outer: true, trims: vec![trim] }
+    Loop { outer: true, trims: vec![Trim::new(knots, corners, None)] }
 }
 
 /// A plane of `side` × `side` spans over the unit square.

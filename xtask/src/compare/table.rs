@@ -35,7 +35,7 @@ pub(super) fn print(report: &Report) -> Result<()> {
     pairs(report.pairs)?;
     shifts(report)?;
     if let Some(shaded) = &report.shaded {
-        let verdict = if shaded.verdict == Verdict::Agree { "agree" } else { "DIFFER" };
+        let verdict = if shaded.verdict == Verdict::Differ { "DIFFER" } else { "agree" };
         let at = shaded.first.map_or(String::new(), |[x, y]| format!(", first at ({x}, {y}){}", sample(shaded.sample)));
         say!("picture shaded by the GPU: {} of {} pixels differ{at}: {verdict}", shaded.differ, shaded.covered)?;
     }
@@ -83,6 +83,7 @@ pub(super) fn pairs(pairs: &[PairReport]) -> Result<()> {
         let (text, colour) = match pair.verdict {
             Verdict::Agree => ("agree", Color::Green),
             Verdict::Differ => ("DIFFER", Color::Red),
+            Verdict::NoVerdict => ("NO VERDICT", Color::Red),
         };
         let c = pair.coverage;
         table.add_row([
@@ -110,8 +111,8 @@ pub(super) fn pairs(pairs: &[PairReport]) -> Result<()> {
                 edges.greatest_bound_px
             )?;
         }
-        if pair.unbounded > 0 {
-            say!("  {} pixels with a value that has no bound in f32 (poles): counted, not judged", pair.unbounded)?;
+        for (reason, count) in pair.reasons() {
+            say!("  {count} pixels without a verdict: {}", reason.label())?;
         }
         if pair.ambiguous > 0 {
             say!("  {} pixels where f32 leaves a decision open: any of its answers is right", pair.ambiguous)?;

@@ -4,12 +4,10 @@
 use super::corpus::{CaseKey, Corpus, PlannedCase};
 use super::report::{Case, Outcome, Pair, Report, Subject};
 use super::run::CPU;
+use super::wrong::Vacuity;
 use anyhow::{Context, Result, bail, ensure};
-use compare::UNDECIDED_SHARE;
+use compare::{Cause, Counts, UNANSWERED_SHARE, Verdict};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// What `causes` calls pixels that the reference could not decide: they count against a limit of their own.
-const UNDECIDED: &str = "undecided";
 
 /// How a picture begins: nothing else may stand in the page.
 const PICTURE: &str = "data:image/png;base64,";
@@ -83,6 +81,7 @@ fn check_case(report: &Report, case: &Case, planned: &PlannedCase, unbounded_sha
 
 fn check_outcome(outcome: &Outcome, subject: &Subject, pixels: usize, unbounded_share: f64) -> Result<()> {
     check_picture(&outcome.picture)?;
+    outcome.wrong.as_ref().map_or(Ok(()), check_wrong)?;
     let expected: &[[&str; 2]] = match subject.kind.as_str() {
         "cpu" => &[["raycast", "raster"]],
         _ => &[["raycast", "gpu"], ["raster", "gpu"]],
@@ -116,32 +115,37 @@ fn check_pair(pair: &Pair, pixels: usize, unbounded_share: f64) -> Result<()> {
     ] {
         ensure!(count <= most, "{count} pixels are {what}, of {most}");
     }
-    let undecided = pair.causes.get(UNDECIDED).copied().unwrap_or(0);
-    let differing = sum(&mut pair.causes.iter().filter(|(cause, _)| *cause != UNDECIDED).map(|(_, count)| *count));
-    ensure!(differing == pair.differing, "{} pixels differ, by causes {differing}", pair.differing);
-    let counted = differing.saturating_add(undecided);
+    let of = |cause: Cause| pair.causes.get(cause.label()).copied().unwrap_or(0);
+    let undecided = of(Cause::Undecided);
+    let unanswered = pair.unanswered;
+    ensure!(unanswered <= of(Cause::NewtonNotConverged), "{unanswered} pixels have no answer, by causes fewer");
+    let counted = sum(&mut pair.causes.values().copied());
     ensure!(counted <= pixels, "{counted} pixels differ or are undecided, of {pixels}");
+    let differing = counted - undecided - unanswered;
+    ensure!(differing == pair.differing, "{} pixels differ, by causes {differing}", pair.differing);
     ensure!(pair.worst.len() <= counted, "{} pixels are listed, of {counted}", pair.worst.len());
+    let reasons = sum(&mut pair.unbounded_causes.values().copied());
+    ensure!(reasons == pair.unbounded, "{} pixels have no bound, by reasons {reasons}", pair.unbounded);
+    let counts = Counts { covered: pair.covered, differing, undecided, unanswered, unbounded: pair.unbounded };
+    let (verdict, why) = counts.verdict(UNANSWERED_SHARE, unbounded_share);
     if pair.agree {
-        ensure!(differing == 0, "it says that all agree, and {differing} pixels differ");
-        ensure!(pair.covered > 0, "it says that all agree, and nobody covers a pixel");
-        for (what, count, share) in
-            [("undecided", undecided, UNDECIDED_SHARE), ("without a bound", pair.unbounded, unbounded_share)]
-        {
-            ensure!(
-                count as f64 <= share * pair.covered as f64,
-                "it says that all agree, and {count} of {} pixels are {what}; {:.2} % may be",
-                pair.covered,
-                100.0 * share
-            );
-        }
+        let why = why.unwrap_or_else(|| format!("{differing} pixels differ"));
+        ensure!(verdict == Verdict::Agree, "it says that all agree, and {why}");
         ensure!(pair.reasons.is_empty(), "it says that all agree, and why not: {}", pair.reasons.join(", "));
         if let [Some(off), Some(bound)] = pair.across_px {
             ensure!(off <= bound, "it says that all agree, and a point is {off} px off, of {bound}");
         }
     } else {
+        ensure!(verdict != Verdict::Agree, "it does not agree, and its counts do");
         ensure!(!pair.reasons.is_empty(), "it does not agree, for no reason");
     }
+    Ok(())
+}
+
+/// A wrong picture is caught or named, and of those named none is hidden.
+fn check_wrong(wrong: &Vacuity) -> Result<()> {
+    let (made, told) = (wrong.made, wrong.caught.saturating_add(wrong.missed.len()));
+    ensure!(made == told, "{made} pictures were made wrong, and {told} are told of");
     Ok(())
 }
 

@@ -4,6 +4,7 @@
 //! stored: it follows from what was planned and what is there, so that a run that was killed says so by itself.
 
 use super::corpus::{CaseKey, SceneInfo, Shard, Suite};
+use super::wrong::Vacuity;
 use crate::output;
 use anyhow::{Context, Result, bail};
 use compare::{Histogram, PairReport, Verdict};
@@ -120,6 +121,9 @@ pub struct Outcome {
     pub seconds: f64,
     /// Its comparisons with the other renderers.
     pub pairs: Vec<Pair>,
+    /// What the judge makes of pictures made wrong of its own, where the suite tries that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wrong: Option<Vacuity>,
     /// Its picture as a `data:` URI, where pictures are kept.
     pub picture: Option<String>,
     /// Why it could not be judged.
@@ -154,8 +158,14 @@ pub struct Pair {
     pub differing: usize,
     /// Differing and undecided pixels by cause.
     pub causes: BTreeMap<String, usize>,
-    /// Covered pixels whose normal has no bound.
+    /// Covered pixels without a verdict for want of a bound.
     pub unbounded: usize,
+    /// The same by reason.
+    #[serde(default)]
+    pub unbounded_causes: BTreeMap<String, usize>,
+    /// Pixels among `causes` for which the candidate says that it has no answer, as a few may: they do not differ.
+    #[serde(default)]
+    pub unanswered: usize,
     /// Pixels where f32 leaves a decision open.
     pub ambiguous: usize,
     /// Pixels in which the candidate's search for a root did not converge.
@@ -164,7 +174,7 @@ pub struct Pair {
     pub coverage: [usize; 3],
     /// The largest distance across the ray, pixels, and the bound there; none where it is infinite.
     pub across_px: [Option<f64>; 2],
-    /// The largest bound of any covered pixel, pixels; none where a pixel has no bound.
+    /// The largest bound of any agreeing pixel with all that belongs to it, pixels.
     pub greatest_bound_px: Option<f64>,
     /// Budget of the position, the normal and the curvatures.
     pub position: Budget,
@@ -274,6 +284,8 @@ impl Pair {
             differing: found.differing(),
             causes: found.causes.iter().map(|(cause, count)| (cause.label().to_owned(), *count)).collect(),
             unbounded: found.unbounded,
+            unbounded_causes: found.reasons().into_iter().map(|(why, count)| (why.label().to_owned(), count)).collect(),
+            unanswered: found.counts().unanswered,
             ambiguous: found.ambiguous,
             unconverged: found.unconverged,
             coverage: [found.coverage.full, found.coverage.partial, found.coverage.none],
@@ -294,9 +306,10 @@ impl Pair {
 }
 
 impl Outcome {
-    /// Whether it agrees.
+    /// Whether it agrees, and no picture made wrong of its own does.
     pub fn state(&self) -> State {
-        match (&self.error, self.pairs.iter().all(|pair| pair.agree)) {
+        let is_judged = self.wrong.as_ref().is_none_or(|wrong| wrong.missed.is_empty());
+        match (&self.error, is_judged && self.pairs.iter().all(|pair| pair.agree)) {
             (Some(_), _) => State::NotRun,
             (None, true) => State::Agree,
             (None, false) => State::Differ,

@@ -3,7 +3,7 @@
 use super::report::{Outcome, Report, State, Subject};
 use crate::text::escaped;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets::UTF8_FULL_CONDENSED};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Missing cases that are named.
@@ -20,6 +20,8 @@ struct Row<'a> {
     differing: usize,
     unbounded: usize,
     undecided: usize,
+    /// Pictures made wrong: those that differ, and all.
+    wrong: [usize; 2],
     shares: [f64; 3],
 }
 
@@ -29,6 +31,10 @@ impl Row<'_> {
         self.agree += usize::from(outcome.state() == State::Agree);
         self.not_run += usize::from(outcome.state() == State::NotRun);
         self.undecided += undecided;
+        if let Some(wrong) = &outcome.wrong {
+            self.wrong[0] += wrong.caught;
+            self.wrong[1] += wrong.made;
+        }
         for pair in &outcome.pairs {
             self.covered += pair.covered;
             self.differing += pair.differing;
@@ -56,10 +62,8 @@ pub fn text(report: &Report) -> String {
         for (key, reason) in differences(report, subject) {
             let _ = writeln!(out, "  {}: {}", escaped(&key), escaped(&reason));
         }
-        let loose = loose(report, subject);
-        if !loose.is_empty() {
-            let scenes = loose.into_iter().collect::<Vec<_>>().join(", ");
-            let _ = writeln!(out, "  no bound across for some pixels, whose triangles may reach the eye: {scenes}");
+        for (reason, count) in without_verdict(report, subject) {
+            let _ = writeln!(out, "  {count} pixels without a verdict: {reason}");
         }
         let missing = report.missing(&subject.id);
         if let Some(why) = &subject.failure {
@@ -116,6 +120,7 @@ fn table(rows: &[Row]) -> Table {
         "differ",
         "undecided",
         "unbounded",
+        "wrong caught",
         "S / n / k, % of budget",
         "verdict",
     ]);
@@ -129,12 +134,13 @@ fn table(rows: &[Row]) -> Table {
         total.differing += row.differing;
         total.undecided += row.undecided;
         total.unbounded += row.unbounded;
+        total.wrong = [0, 1].map(|k| total.wrong[k] + row.wrong[k]);
         for (sum, share) in total.shares.iter_mut().zip(row.shares) {
             *sum = sum.max(share);
         }
     }
     table.add_row(cells(&total));
-    for column in 1..8 {
+    for column in 1..9 {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);
         }
@@ -148,6 +154,8 @@ fn cells(row: &Row) -> Vec<Cell> {
         (0, false) => ("DIFFER", Color::Red),
         _ => ("NOT RUN", Color::Yellow),
     };
+    let [caught, made] = row.wrong;
+    let caught = if made == 0 { "—".to_owned() } else { format!("{caught} of {made}") };
     let [s, n, k] = row.shares.map(|share| format!("{:.1}", 100.0 * share));
     vec![
         Cell::new(escaped(row.scene)),
@@ -157,6 +165,7 @@ fn cells(row: &Row) -> Vec<Cell> {
         Cell::new(row.differing),
         Cell::new(row.undecided),
         Cell::new(row.unbounded),
+        Cell::new(caught),
         Cell::new(format!("{s} / {n} / {k}")),
         Cell::new(word).fg(colour).add_attribute(Attribute::Bold),
     ]
@@ -169,6 +178,9 @@ fn differences(report: &Report, subject: &Subject) -> Vec<(String, String)> {
         if let Some(error) = &outcome.error {
             found.push((case.key.to_string(), error.clone()));
         }
+        for missed in outcome.wrong.iter().flat_map(|wrong| &wrong.missed) {
+            found.push((case.key.to_string(), format!("made wrong, and does not differ: {missed}")));
+        }
         for pair in outcome.pairs.iter().filter(|pair| !pair.agree) {
             let pixel = pair.worst.first();
             let at = pixel.map_or(String::new(), |p| format!("; worst at ({}, {}): {}", p.x, p.y, p.detail));
@@ -179,11 +191,14 @@ fn differences(report: &Report, subject: &Subject) -> Vec<(String, String)> {
     found
 }
 
-/// The scenes in which some pixel's place in the picture has no bound: what agrees there says little.
-fn loose<'a>(report: &'a Report, subject: &'a Subject) -> BTreeSet<&'a str> {
-    let is_loose = |outcome: &Outcome| outcome.pairs.iter().any(|pair| pair.greatest_bound_px.is_none());
-    let found = report.outcomes(&subject.id).filter(|(_, outcome)| is_loose(outcome));
-    found.map(|(case, _)| case.key.scene.as_str()).collect()
+/// Pixels without a verdict of all cases, by reason.
+fn without_verdict<'a>(report: &'a Report, subject: &'a Subject) -> BTreeMap<&'a str, usize> {
+    let mut found = BTreeMap::new();
+    let pairs = report.outcomes(&subject.id).flat_map(|(_, outcome)| &outcome.pairs);
+    for (reason, count) in pairs.flat_map(|pair| &pair.unbounded_causes) {
+        *found.entry(reason.as_str()).or_default() += count;
+    }
+    found
 }
 
 fn verdict(report: &Report) -> String {
