@@ -83,7 +83,15 @@ def eval_uv(R, s):
     return uv
 
 
+FIELD = '01-amp-deg2-0.2 01-min-span-1e-08 28-weight-one-1000 49-domain-1e+09-0.00100005 C4-span-triple-1e-3 C4-span-triple-1e-6 truth-tiny_1'.split()
+
+
 def eval_surfaces(kind):
+    if kind == 'field':                              # models of public bug reports, testdata/field
+        for n, name in enumerate(FIELD):
+            s = json.load(open(os.path.join(ROOT, 'testdata', 'field', name + '.json')))['surfaces'][0]
+            yield name, s, random.Random('%d/%s/%d' % (SEED, kind, n))
+        return
     for n in range(PER_KIND if kind in EVAL_KINDS else OWN[kind][1]):
         R = random.Random('%d/%s/%d' % (SEED, kind, n))
         yield '%s_%d' % (kind, n), (getattr(mc, 'g_' + kind) if kind in EVAL_KINDS else OWN[kind][0])(R, n), R
@@ -373,7 +381,7 @@ def main():
     ap.add_argument('--jobs', type=int, default=2); ap.add_argument('--scenes'); ap.add_argument('--kinds'); a = ap.parse_args()
     if a.only != 'rays':
         os.makedirs(os.path.join(a.out, 'eval'), exist_ok=True)
-        for kind in a.kinds.split(',') if a.kinds else EVAL_KINDS + list(OWN): eval_kind(kind, os.path.join(a.out, 'eval'))
+        for kind in a.kinds.split(',') if a.kinds else EVAL_KINDS + list(OWN) + ['field']: eval_kind(kind, os.path.join(a.out, 'eval'))
     if a.only != 'eval': rays(os.path.join(a.out, 'rays'), a.models, a.jobs, a.scenes and a.scenes.split(','))
 
 

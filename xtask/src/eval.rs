@@ -4,7 +4,6 @@ use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use glam::DVec3;
 use nurbs::{Direction, KnotVector, NormalStatus, Surface, SurfacePoint};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -68,7 +67,8 @@ pub fn run(args: &EvalArgs) -> Result<()> {
             let [side_u, side_v] = query.sides.as_ref().map_or([1, 1], |sides| sides[i]);
             let span_u = span(surface.knots(Direction::U), u, side_u);
             let span_v = span(surface.knots(Direction::V), v, side_v);
-            results.push(answer(u, v, &surface.inspect_on(span_u, span_v, u, v)));
+            let name = || format!("queries[{index}].uv[{i}] = ({u}, {v}) on surface {}", query.surface);
+            results.push(answer(u, v, &surface.inspect_on(span_u, span_v, u, v)).with_context(name)?);
         }
         answers.push(json!({ "surface": query.surface, "results": results }));
     }
@@ -91,27 +91,67 @@ fn span(knots: &KnotVector, t: f64, side: i8) -> usize {
     knots.spans().filter(|&k| knots.knots()[k] < t).last().unwrap_or(above)
 }
 
-fn answer(u: f64, v: f64, point: &SurfacePoint) -> Value {
+/// What is known of a point.
+///
+/// # Errors
+/// Where a value leaves f64: JSON has no infinity, and `null` would say that there is none.
+fn answer(u: f64, v: f64, point: &SurfacePoint) -> Result<Value> {
     let d = &point.derivatives;
-    let vector = |x: DVec3| x.to_array();
     let normal = point.normal.unit();
     let kind = match point.normal.status() {
         NormalStatus::Regular => "regular",
         NormalStatus::Limit => "limit",
         NormalStatus::Undefined => "none",
     };
-    let forms = point
-        .curvature
-        .and(normal)
-        .map(|n| [d.su.dot(d.su), d.su.dot(d.sv), d.sv.dot(d.sv), d.suu.dot(n), d.suv.dot(n), d.svv.dot(n)]);
-    let form = |i: usize| forms.map(|f| f[i]);
-    let k = point.curvature;
-    json!({
-        "u": u, "v": v,
-        "S": vector(d.s), "Su": vector(d.su), "Sv": vector(d.sv),
-        "Suu": vector(d.suu), "Suv": vector(d.suv), "Svv": vector(d.svv),
-        "normal_kind": kind, "normal": normal.map(vector),
-        "K": k.map(|k| k.gaussian), "H": k.map(|k| k.mean), "k1": k.map(|k| k.k1), "k2": k.map(|k| k.k2),
-        "E": form(0), "F": form(1), "G": form(2), "L": form(3), "M": form(4), "N": form(5),
-    })
+    let mut fields = json!({ "u": u, "v": v, "normal_kind": kind });
+    let vectors = [("S", d.s), ("Su", d.su), ("Sv", d.sv), ("Suu", d.suu), ("Suv", d.suv), ("Svv", d.svv)];
+    for (name, x) in vectors {
+        fields[name] = json!(x.to_array().map(|x| finite(name, x)).into_iter().collect::<Result<Vec<f64>>>()?);
+    }
+    fields["normal"] = json!(normal.map(|n| n.to_array()));
+    let known = point.curvature.zip(normal);
+    let scalars = [
+        ("K", known.map(|(k, _)| k.gaussian)),
+        ("H", known.map(|(k, _)| k.mean)),
+        ("k1", known.map(|(k, _)| k.k1)),
+        ("k2", known.map(|(k, _)| k.k2)),
+        ("E", known.map(|_| d.su.dot(d.su))),
+        ("F", known.map(|_| d.su.dot(d.sv))),
+        ("G", known.map(|_| d.sv.dot(d.sv))),
+        ("L", known.map(|(_, n)| d.suu.dot(n))),
+        ("M", known.map(|(_, n)| d.suv.dot(n))),
+        ("N", known.map(|(_, n)| d.svv.dot(n))),
+    ];
+    for (name, x) in scalars {
+        fields[name] = json!(x.map(|x| finite(name, x)).transpose()?);
+    }
+    Ok(fields)
+}
+
+/// The value, if f64 holds it.
+fn finite(name: &str, x: f64) -> Result<f64> {
+    if !x.is_finite() {
+        bail!("{name} leaves the range of f64 (about 1.8e308): measure the knots, or the model, in larger units");
+    }
+    Ok(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn what_overflows_is_an_error_that_names_it() {
+        let knots = |length: f64| KnotVector::new(1, vec![0.0, 0.0, length, length]).expect("legal");
+        let points = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, x * y)).to_vec();
+        let at = |length: f64| {
+            let surface = Surface::new(knots(length), knots(length), points.clone(), None).expect("legal");
+            answer(0.0, 0.0, &surface.inspect(0.0, 0.0))
+        };
+        let fields = at(1.0).expect("finite");
+        assert_eq!((fields["Suv"][2].as_f64(), fields["k1"].as_f64()), (Some(1.0), Some(1.0)));
+        let error = at(1e-200).expect_err("Suv is 1e400").to_string();
+        assert!(error.starts_with("Suv leaves the range of f64"), "{error}");
+    }
 }

@@ -42,21 +42,7 @@ impl BezierPatch {
     pub fn split_u(&self, u: f64) -> [Self; 2] {
         let [p, q] = self.degree;
         let [[u0, u1], v] = self.domain;
-        let s = (u - u0) / (u1 - u0);
-        let [mut low, mut high] = [self.clone(), self.clone()];
-        for j in 0..=q {
-            let mut line = [DVec4::ZERO; MAX_ORDER];
-            for i in 0..=p {
-                line[i] = self.control[i * (q + 1) + j];
-            }
-            for r in 0..=p {
-                low.control[r * (q + 1) + j] = line[0];
-                high.control[(p - r) * (q + 1) + j] = line[p - r];
-                for i in 0..p - r {
-                    line[i] = line[i] * (1.0 - s) + line[i + 1] * s;
-                }
-            }
-        }
+        let [mut low, mut high] = self.split_lines((u - u0) / (u1 - u0), p, (0..=q).map(|j| (j, q + 1)));
         low.domain = [[u0, u], v];
         high.domain = [[u, u1], v];
         [low, high]
@@ -64,7 +50,31 @@ impl BezierPatch {
 
     /// The two halves at the parent's parameter `v`, inside the rectangle.
     pub fn split_v(&self, v: f64) -> [Self; 2] {
-        self.transposed().split_u(v).map(|half| half.transposed())
+        let [p, q] = self.degree;
+        let [u, [v0, v1]] = self.domain;
+        let [mut low, mut high] = self.split_lines((v - v0) / (v1 - v0), q, (0..=p).map(|i| (i * (q + 1), 1)));
+        low.domain = [u, [v0, v]];
+        high.domain = [u, [v, v1]];
+        [low, high]
+    }
+
+    /// De Casteljau's algorithm at `s` on lines of `p` + 1 control points, each told by its first and the step to the next.
+    fn split_lines(&self, s: f64, p: usize, lines: impl Iterator<Item = (usize, usize)>) -> [Self; 2] {
+        let [mut low, mut high] = [self.clone(), self.clone()];
+        for (first, step) in lines {
+            let mut line = [DVec4::ZERO; MAX_ORDER];
+            for i in 0..=p {
+                line[i] = self.control[first + i * step];
+            }
+            for r in 0..=p {
+                low.control[first + r * step] = line[0];
+                high.control[first + (p - r) * step] = line[p - r];
+                for i in 0..p - r {
+                    line[i] = line[i] * (1.0 - s) + line[i + 1] * s;
+                }
+            }
+        }
+        [low, high]
     }
 
     /// The same patch with u and v exchanged.

@@ -27,6 +27,11 @@ pub(crate) fn blossom(knots: &KnotVector, span: usize, control: &[DVec4], argume
 /// The Bézier points of `span`: blossoms at (a, …, a, b, …, b), all convex.
 pub(crate) fn bezier_points(knots: &KnotVector, span: usize, control: &[DVec4], [a, b]: [f64; 2]) -> Vec<DVec4> {
     let p = knots.degree();
+    let u = knots.knots();
+    // Between knots of full multiplicity the control points are the Bézier points.
+    if u[span + 1 - p] == a && u[span + p] == b {
+        return control.to_vec();
+    }
     (0..=p)
         .map(|k| {
             let mut arguments = [a; MAX_ORDER];

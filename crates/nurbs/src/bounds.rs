@@ -39,7 +39,7 @@ impl Hull {
 
     /// Length of the diagonal.
     pub fn diagonal(&self) -> f64 {
-        (self.max - self.min).length()
+        length(self.max - self.min)
     }
 
     /// The eight corners.
@@ -53,6 +53,17 @@ impl Hull {
             )
         })
     }
+}
+
+/// The length of a vector, also where the square of it leaves f64.
+pub(crate) fn length(v: DVec3) -> f64 {
+    let unit = power_of_two(v.abs().max_element());
+    (v / unit).length() * unit
+}
+
+/// The greatest power of two that is at most `x`, which is not negative; at least the smallest normal number.
+pub(crate) fn power_of_two(x: f64) -> f64 {
+    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// Upper bounds of the lengths of the partial derivatives over a patch, by the parent surface's parameters.

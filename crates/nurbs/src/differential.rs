@@ -1,7 +1,7 @@
 //! What a surface looks like at a point: its normal, with how far to trust it, and its curvatures.
 
 use crate::basis::binomial;
-use crate::surface::power_of_two;
+use crate::bounds::{length, power_of_two};
 use crate::{Direction, SecondDerivatives, Surface};
 use glam::{DVec2, DVec3};
 
@@ -135,8 +135,8 @@ impl Surface {
         let hull = self.hull();
         let farthest = hull.min.abs().max(hull.max.abs()).max_element();
         let least = hull.diagonal() * COLLAPSED + farthest * 2.0 * f64::EPSILON;
-        let length = |direction| self.knots(direction).length();
-        [d.su.length() * length(Direction::U) <= least, d.sv.length() * length(Direction::V) <= least]
+        let domain = |direction| self.knots(direction).length();
+        [length(d.su) * domain(Direction::U) <= least, length(d.sv) * domain(Direction::V) <= least]
     }
 
     /// The limit of the normal at `t` of a span, if it is the same from every side in the span.
@@ -199,6 +199,9 @@ fn curvature(d: &SecondDerivatives, [unit_u, unit_v]: [f64; 2], n: DVec3) -> Cur
     let a = l / (length * length);
     let b = (m - shear * l) / (length * g);
     let c = (nn - 2.0 * shear * m + shear * shear * l) / (g * g);
+    // In units of a power of two, in which K does not leave f64.
+    let unit = power_of_two(a.abs().max(b.abs()).max(c.abs()));
+    let (a, b, c) = (a / unit, b / unit, c / unit);
     let mean = 0.5 * (a + c);
     let x = 0.5 * (a - c);
     // Not `hypot`: that is the platform's, and this must be the same everywhere.
@@ -208,5 +211,6 @@ fn curvature(d: &SecondDerivatives, [unit_u, unit_v]: [f64; 2], n: DVec3) -> Cur
     let smaller = if larger == 0.0 { 0.0 } else { gaussian / larger };
     let [k1, k2] = if mean < 0.0 { [smaller, larger] } else { [larger, smaller] };
     // An umbilic's two may come out in the wrong order by an ulp.
-    Curvature { gaussian, mean, k1: k1.max(k2), k2: k1.min(k2) }
+    let (k1, k2) = (k1.max(k2) * unit, k1.min(k2) * unit);
+    Curvature { gaussian: gaussian * unit * unit, mean: mean * unit, k1, k2 }
 }

@@ -2,7 +2,7 @@
 
 use crate::basis::{Basis, basis, basis_derivatives_local, basis_local, binomial};
 use crate::blossom::{bezier_points, reexpress};
-use crate::bounds::Hull;
+use crate::bounds::{Hull, power_of_two};
 use crate::{BezierPatch, KnotVector, MAX_ORDER, NurbsError, basis_derivatives};
 use glam::{DVec2, DVec3, DVec4};
 
@@ -210,10 +210,11 @@ impl Surface {
     /// So nothing is lost where the domain is far from zero (knots from 1e9 to 1e9 + 1e-3) or a span is short. The
     /// derivatives are by u and v all the same. Error as [`Self::first_derivatives`], at every `t` exactly.
     pub fn first_derivatives_local(&self, span: [usize; 2], t: DVec2) -> FirstDerivatives {
-        let [p, q] = self.degree();
-        let nu = basis_local::<MAX_ORDER, false>(&self.knots[0], p, span[0], t.x);
-        let nv = basis_local::<MAX_ORDER, false>(&self.knots[1], q, span[1], t.y);
-        self.first_order(p, q, span, &nu, &nv)
+        match self.degree() {
+            [3, 3] => self.first_local::<4>(3, 3, span, t),
+            [2, 2] => self.first_local::<3>(2, 2, span, t),
+            [p, q] => self.first_local::<MAX_ORDER>(p, q, span, t),
+        }
     }
 
     /// S and all derivatives to second order. Conventions and error as [`Self::first_derivatives`].
@@ -243,6 +244,13 @@ impl Surface {
     fn first_at<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], [u, v]: [f64; 2]) -> FirstDerivatives {
         let nu = basis::<C, false>(&self.knots[0], p, span[0], u);
         let nv = basis::<C, false>(&self.knots[1], q, span[1], v);
+        self.first_order(p, q, span, &nu, &nv)
+    }
+
+    #[inline(always)]
+    fn first_local<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], t: DVec2) -> FirstDerivatives {
+        let nu = basis_local::<C, false>(&self.knots[0], p, span[0], t.x);
+        let nv = basis_local::<C, false>(&self.knots[1], q, span[1], t.y);
         self.first_order(p, q, span, &nu, &nv)
     }
 
@@ -545,11 +553,6 @@ pub(crate) fn checked_weights(weights: Vec<f64>, expected: usize) -> Result<Vec<
     }
     let unit = power_of_two(greatest);
     Ok(weights.into_iter().map(|w| w / unit).collect())
-}
-
-/// The greatest power of two that is at most `x`, which is positive and finite; at least the smallest normal number.
-pub(crate) fn power_of_two(x: f64) -> f64 {
-    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 #[inline(always)]

@@ -27,7 +27,7 @@ mod tree_2d;
 mod trim;
 
 use faces::Faces;
-use gbuffer::{GBuffer, Hit, Meta, PrincipalCurvatures};
+use gbuffer::{GBuffer, Hit, LocalParameters, Meta, PrincipalCurvatures};
 use glam::DVec2;
 use line::{Line, Point, normals};
 use nurbs::{Direction, Normal};
@@ -175,7 +175,7 @@ impl<'m> Caster<'m> {
             }
             best.map_or(f64::INFINITY, |(point, _)| point.t)
         });
-        let hit = best.map(|(point, face)| self.hit(FaceId(face), point.uv, point.t));
+        let hit = best.map(|(point, face)| self.hit(FaceId(face), &point));
         Cast { hit, undecided: doubt.filter(|doubt| hit.is_none_or(|hit| doubt.t <= hit.t)) }
     }
 
@@ -208,7 +208,7 @@ impl<'m> Caster<'m> {
         let mut hits = vec![];
         for (point, face) in kept {
             for face in self.material_faces(ray, self.body_of(FaceId(face)), point.uv) {
-                hits.push(self.hit(FaceId(face), point.uv, point.t));
+                hits.push(self.hit(FaceId(face), &point));
             }
         }
         hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.face.cmp(&b.face)));
@@ -243,13 +243,12 @@ impl<'m> Caster<'m> {
         buffer.with_undecided(undecided.into_inner()).with_edges(self.edges)
     }
 
-    /// The hit of a face at parameters `uv` and distance `t`: position, normal and curvature by `Surface::inspect`.
-    ///
-    /// # Panics
-    /// Where the model has no such face.
-    pub fn hit(&self, face: FaceId, uv: DVec2, t: f64) -> Hit {
+    /// The hit of a face at a point of its body: position, normal and curvature by `Surface::inspect_local`.
+    fn hit(&self, face: FaceId, found: &Point) -> Hit {
         let reversed = self.model.faces()[face.0 as usize].reversed;
-        let point = self.model.surface(face).inspect(uv.x, uv.y);
+        let point = self.model.surface(face).inspect_local(found.span, found.local);
+        let span = self.body_of(face).span_number(found.span);
+        let (uv, t, local) = (found.uv, found.t, Some(LocalParameters { span, uv: found.local }));
         let curvature = point.curvature.map(|c| PrincipalCurvatures { k1: c.k1, k2: c.k2 });
         let (normal, curvature) = if reversed {
             let normal = match point.normal {
@@ -261,7 +260,7 @@ impl<'m> Caster<'m> {
         } else {
             (point.normal, curvature)
         };
-        Hit { face, uv, local: None, t, position: point.derivatives.s, normal, curvature, edge: None }
+        Hit { face, uv, local, t, position: point.derivatives.s, normal, curvature, edge: None }
     }
 
     /// The faces of a body that have material at parameters `uv`, ascending: a trim edge within [`EDGE_BOUNDS`] times the
@@ -333,7 +332,8 @@ fn undecided(body: &Body, piece: &Piece, found: &Found, nearest: &Point) -> Unde
         Found::Unresolved { low, high, deepest } => (low, high, if deepest { Limit::Depth } else { Limit::Boxes }),
     };
     let [[u0, u1], [v0, v1]] = piece.domain;
-    let at = |x: DVec2| DVec2::new(u0 + (u1 - u0) * x.x, v0 + (v1 - v0) * x.y);
+    let local = |x: DVec2| DVec2::new(u0 + (u1 - u0) * x.x, v0 + (v1 - v0) * x.y);
+    let at = |x: DVec2| body.parameters(piece.span, local(x));
     Undecided {
         face: FaceId(body.faces[0]),
         uv_low: at(low),

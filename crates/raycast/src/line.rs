@@ -7,6 +7,7 @@
 use crate::pieces::{Body, Piece, UNIT};
 use crate::roots::{Found, Search};
 use glam::{DVec2, DVec3};
+use nurbs::Direction;
 use scene::Ray;
 
 /// A point counts as on the ray below this many times the bound of the root finder's rounding errors.
@@ -55,7 +56,12 @@ pub(crate) struct Line {
 /// A point of a body's surface beside a line.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Point {
+    /// Parameters in the knot domain, as well as f64 holds them there.
     pub uv: DVec2,
+    /// The knot span of the body's surface.
+    pub span: [usize; 2],
+    /// The place in the span, 0 to 1 across it.
+    pub local: DVec2,
     /// Distance along the ray, model units.
     pub t: f64,
     /// Distance from the ray, in the body's frame.
@@ -114,23 +120,26 @@ impl Line {
     #[inline]
     fn look(&self, body: &Body, piece: &Piece, x: DVec2) -> Look {
         let [[u0, u1], [v0, v1]] = piece.domain;
-        // From the nearer end, so that 0 and 1 are the ends themselves.
-        let lerp = |a: f64, b: f64, t: f64| if t < 0.5 { a + (b - a) * t } else { b - (b - a) * (1.0 - t) };
-        let uv = DVec2::new(lerp(u0, u1, x.x), lerp(v0, v1, x.y));
-        let d = body.surface.first_derivatives_on(piece.span[0] as usize, piece.span[1] as usize, uv.x, uv.y);
+        // Exact: pieces are halves of halves of a span.
+        let local = DVec2::new(u0 + (u1 - u0) * x.x, v0 + (v1 - v0) * x.y);
+        let d = body.surface.first_derivatives_local(piece.span, local);
         let [n1, n2] = self.normals;
         let planes = |v: DVec3| DVec2::new(n1.dot(v), n2.dot(v));
         let f = planes(d.s - self.foot);
-        let (f_u, f_v) = (planes(d.su) * (u1 - u0), planes(d.sv) * (v1 - v0));
+        let length = |direction, span| body.surface.knots(direction).span(span).1;
+        let f_u = planes(d.su) * (length(Direction::U, piece.span[0]) * (u1 - u0));
+        let f_v = planes(d.sv) * (length(Direction::V, piece.span[1]) * (v1 - v0));
         let residual = f.length();
         // What rounding of the parameters (half an ulp, and twice that of the way from the piece's nearer end) moves
         // the point by, across the ray.
         let grain = |a: f64, b: f64, at: f64, f: DVec2| {
             UNIT * (at.abs() + 2.0 * (at - a).min(b - at)) / (b - a) * (f.x.abs() + f.y.abs())
         };
-        let allowed = self.tolerance + 2.0 * (grain(u0, u1, uv.x, f_u) + grain(v0, v1, uv.y, f_v));
+        let allowed = self.tolerance + 2.0 * (grain(u0, u1, local.x, f_u) + grain(v0, v1, local.y, f_v));
         let t = (d.s * body.scale - self.origin).dot(self.direction);
-        Look { point: Point { uv, t, residual, on_ray: residual <= allowed, leaves: None }, f, f_u, f_v, allowed }
+        let uv = body.parameters(piece.span, local);
+        let point = Point { uv, span: piece.span, local, t, residual, on_ray: residual <= allowed, leaves: None };
+        Look { point, f, f_u, f_v, allowed }
     }
 
     /// Finishes a root by Newton's method on the surface; parameters outside the piece are clamped to it.

@@ -2,7 +2,7 @@
 //!
 //! Comes from `scene::Model`; goes to the box tree (boxes) and to the root finder (control points).
 
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 use nurbs::{BezierPatch, Direction, Surface};
 use rayon::prelude::*;
 use scene::Model;
@@ -28,6 +28,8 @@ const MAX_CONTROL: usize = 80 << 15;
 pub(crate) struct Body {
     /// The surface about its control box's centre, divided by `scale`, weights divided by a power of two.
     pub surface: Surface,
+    /// The knot spans in u and v that are not empty.
+    spans: [Vec<usize>; 2],
     /// World position of the frame's origin.
     pub origin: DVec3,
     /// Model units per unit of the frame, a power of two.
@@ -49,8 +51,8 @@ pub(crate) struct Piece {
     /// Index of the first control point.
     pub first: u32,
     /// Knot spans of the body's surface in which the piece lies.
-    pub span: [u32; 2],
-    /// The rectangle \[\[u0, u1\], \[v0, v1\]\] of the surface's knot domain.
+    pub span: [usize; 2],
+    /// The rectangle \[\[u0, u1\], \[v0, v1\]\] of the span, 0 to 1 across it: halves of it, exact.
     pub domain: [[f64; 2]; 2],
     /// Rounding errors of the control points, relative to their own weight times the body's radius.
     ///
@@ -157,6 +159,22 @@ fn power_of_two(x: f64) -> f64 {
 }
 
 impl Body {
+    /// The knots' parameters of a place in a span, `t` in 0 to 1 across it.
+    pub fn parameters(&self, span: [usize; 2], t: DVec2) -> DVec2 {
+        let at = |direction, span: usize, t: f64| {
+            let knots = self.surface.knots(direction);
+            let (start, length) = knots.span(span);
+            // From the nearer end, so that 0 and 1 are the ends themselves.
+            if t < 0.5 { start + length * t } else { knots.knots()[span + 1] - length * (1.0 - t) }
+        };
+        DVec2::new(at(Direction::U, span[0], t.x), at(Direction::V, span[1], t.y))
+    }
+
+    /// A span's number, counted from 0 among those that are not empty.
+    pub fn span_number(&self, span: [usize; 2]) -> [u32; 2] {
+        [0, 1].map(|axis| self.spans[axis].partition_point(|&k| k < span[axis]) as u32)
+    }
+
     fn new(index: usize, surface: &Surface, faces: Vec<u32>) -> Self {
         let hull = surface.hull();
         let origin = surface.origin();
@@ -172,7 +190,8 @@ impl Body {
         let knots = |direction| surface.knots(direction).clone();
         let surface = Surface::new(knots(Direction::U), knots(Direction::V), points, weights)
             .expect("a legal surface stays legal when it is moved to its own centre and scaled by powers of two");
-        Self { index, surface, origin, scale, radius, faces, growth: 0.0 }
+        let spans = [Direction::U, Direction::V].map(|direction| surface.knots(direction).spans().collect());
+        Self { index, surface, spans, origin, scale, radius, faces, growth: 0.0 }
     }
 
     /// Cuts the patches of this body's surface; `first` of each piece counts from 0.
@@ -181,8 +200,10 @@ impl Body {
         let [knots_u, knots_v] = [Direction::U, Direction::V].map(|d| self.surface.knots(d));
         let (mut pieces, mut control) = (vec![], vec![]);
         let mut greatest_growth = 0.0f64;
-        for patch in patches {
+        for mut patch in patches {
             let span = [knots_u.find_span(patch.domain[0][0]), knots_v.find_span(patch.domain[1][0])];
+            // By the span's own parameter: in the knots' a short span far from zero cannot be halved.
+            patch.domain = [[0.0, 1.0]; 2];
             let ratio = bending(&patch);
             let [levels_u, levels_v] = [0, 1].map(|k| levels(ratio[k], limit, most));
             // Extraction: 2 p ulp a direction. A cut: p lerps of at most 3 roundings each.
@@ -194,7 +215,6 @@ impl Body {
                     let first = control.len() as u32;
                     let weight = part.control.iter().fold(0.0, |m: f64, c| m.max(c.w));
                     control.extend(part.control.iter().map(|c| c.to_array()));
-                    let span = span.map(|k| k as u32);
                     pieces.push(Piece { body: self.index as u32, first, span, domain: part.domain, growth, weight });
                 }
             }
@@ -204,7 +224,7 @@ impl Body {
     }
 }
 
-/// Halves every patch `levels` times; a patch whose middle parameter is not between its ends in f64 stays whole.
+/// Halves every patch `levels` times.
 fn halved(
     mut patches: Vec<BezierPatch>,
     levels: u32,
@@ -216,8 +236,7 @@ fn halved(
             .into_iter()
             .flat_map(|patch| {
                 let [low, high] = patch.domain[direction];
-                let middle = low + 0.5 * (high - low);
-                if low < middle && middle < high { split(&patch, middle).to_vec() } else { vec![patch] }
+                split(&patch, 0.5 * (low + high))
             })
             .collect();
     }

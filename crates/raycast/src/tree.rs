@@ -43,7 +43,8 @@ impl Tree {
         let [min, max] = whole(about_first);
         let center = about_first + min + 0.5 * (max - min);
         let [min, max] = whole(center);
-        let radius = min.abs().max(max.abs()).length();
+        // Of the box, not less; squares of tiny sizes leave f64.
+        let radius = min.abs().max(max.abs()).max_element() * 3f64.sqrt();
         let radius = if radius > 0.0 { radius } else { 1.0 };
         let boxes: Vec<Aabb> = pieces
             .pieces

@@ -42,7 +42,9 @@ fn scaling_by_powers_of_two_changes_no_bit() {
     let mut hits = 0;
     for surface in (0..6).map(|_| random_net(&mut random)).chain([sphere(2.0, DVec3::new(0.5, 0.25, -1.0))]) {
         let plain = picture(scaled(&surface, 1.0, 1.0));
-        for (points, weights) in [(130, 0), (-130, 0), (190, 60), (-190, -60), (0, 1000), (0, -900), (3, 120)] {
+        for (points, weights) in
+            [(130, 0), (-130, 0), (190, 60), (-190, -60), (-540, 0), (0, 1000), (0, -900), (3, 120)]
+        {
             let [by_points, by_weights] = [points, weights].map(|exponent| 2f64.powi(exponent));
             for (a, b) in plain.iter().zip(picture(scaled(&surface, by_points, by_weights))) {
                 assert_eq!(a.is_some(), b.is_some(), "2^{points}, 2^{weights}");
@@ -130,5 +132,24 @@ fn a_metric_that_is_not_finite_is_near_to_nothing_at_once() {
         assert!(!classifier.is_at_edge(DVec2::splat(0.5), DVec2::new(1.0, bad), 1e-9));
         assert!(!classifier.inside(DVec2::new(0.5, bad)));
         classifier.side(DVec2::splat(0.5), DVec2::splat(bad));
+    }
+}
+
+/// Moved to 2³⁰ and shrunk by 2⁻¹², every knot is exact and the surface the same: so are the hits.
+#[test]
+fn knots_far_from_zero_change_no_bit_of_a_hit() {
+    let mut random = Random(79);
+    for _ in 0..4 {
+        let near = random_net(&mut random);
+        let [u, v] = [Direction::U, Direction::V].map(|direction| {
+            let knots = near.knots(direction);
+            let moved = knots.knots().iter().map(|t| 1073741824.0 + t / 4096.0).collect();
+            KnotVector::new(knots.degree(), moved).unwrap()
+        });
+        let far = Surface::new(u, v, near.points().to_vec(), near.weights().map(<[f64]>::to_vec)).unwrap();
+        for (a, b) in picture(near).iter().zip(picture(far)) {
+            let of = |hit: &Hit| (hit.local, hit.t, hit.position, hit.normal);
+            assert_eq!(a.as_ref().map(of), b.as_ref().map(of));
+        }
     }
 }

@@ -354,7 +354,7 @@ fn bound_of_patch(patch: &BezierPatch, along: DVec3) -> f64 {
 fn spread(patch: &BezierPatch) -> [f64; 2] {
     let [p, q] = patch.degree;
     let points: Vec<DVec3> = patch.control.iter().map(|c| c.truncate() / c.w).collect();
-    let apart = |k: usize, l: usize| points[k].distance_squared(points[l]);
+    let apart = |k: usize, l: usize| (points[k] - points[l]).abs().max_element();
     let mut most = [0.0f64; 2];
     for i in 0..=p {
         for j in 0..=q {
@@ -367,7 +367,7 @@ fn spread(patch: &BezierPatch) -> [f64; 2] {
             }
         }
     }
-    [most[0].sqrt() * p as f64, most[1].sqrt() * q as f64]
+    [most[0] * p as f64, most[1] * q as f64]
 }
 
 /// How often a region's boundary winds about a point that no piece passes.

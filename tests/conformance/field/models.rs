@@ -7,7 +7,7 @@ use scene::{FaceId, Model, Note, Region, SceneError};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-fn hostile(name: &str) -> PathBuf {
+pub(super) fn hostile(name: &str) -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../testdata/hostile")).join(format!("{name}.json"))
 }
 

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test file uses some of it")]
 
 use glam::{DVec2, DVec3};
-use nurbs::{KnotVector, Surface};
+use nurbs::{Direction, KnotVector, Surface};
 use raycast::{AllHits, Caster};
 use scene::{FaceId, Model, Ray};
 
@@ -168,10 +168,17 @@ pub fn check(caster: &Caster, ray: &Ray, all: &AllHits) {
         let surface = caster.model().surface(hit.face);
         let [[u0, u1], [v0, v1]] = surface.domain();
         assert!((u0..=u1).contains(&hit.uv.x) && (v0..=v1).contains(&hit.uv.y), "inside the domain: {hit:?}");
-        assert_eq!(hit.position, surface.inspect(hit.uv.x, hit.uv.y).derivatives.s);
+        let local = hit.local.expect("the caster knows the span");
+        let span = [(Direction::U, local.span[0]), (Direction::V, local.span[1])].map(|(direction, number)| {
+            surface.knots(direction).spans().nth(number as usize).expect("a span of the surface")
+        });
+        assert_eq!(hit.position, surface.inspect_local(span, local.uv).derivatives.s);
         let residual = hit.position.distance(ray.at(hit.t));
         let allowed = allowed(caster, ray, hit.face, hit.uv);
         assert!(residual <= allowed, "{residual:e} off the ray, {allowed:e} allowed: {hit:?}");
+        // The parameters in the knot domain name the same place, by evaluation of another kind.
+        let global = surface.first_derivatives_on(span[0], span[1], hit.uv.x, hit.uv.y).s.distance(ray.at(hit.t));
+        assert!(global <= 2.0 * allowed, "{global:e} off the ray at {}, {allowed:e} allowed: {hit:?}", hit.uv);
     }
     let first = caster.first(ray);
     match (first.hit, all.hits.first()) {
