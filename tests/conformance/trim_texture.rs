@@ -12,7 +12,6 @@ use scene::{Camera, FaceId, Model, Region, Viewport};
 use std::path::PathBuf;
 use std::sync::Arc;
 use xtask::compare::Saved;
-use xtask::masks::TrimGrant;
 use xtask::stage::{OnGpu, Plan, Rendered, Stage};
 
 /// Side of the pictures, pixels.
@@ -250,42 +249,37 @@ fn a_loop_left_out_a_wrong_fan_and_a_union_for_parity_are_found_and_named() {
 }
 
 #[test]
-fn a_saved_file_says_how_coarse_its_masks_are_and_is_granted_that_and_no_more() {
+fn a_saved_file_says_how_coarse_its_masks_are_and_is_allowed_that_and_no_more_than_the_caller_says() {
     let model = model("islands");
     let file = |name: &str, buffer: &GBuffer| {
         let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("masks-{name}.npz"));
         buffer.write_npz(&path).expect("a file can be written");
         path
     };
-    let judged = |paths: &[PathBuf], grant: TrimGrant| {
-        Saved::open(paths, None).and_then(|saved| saved.compare(Plan::default(), grant)).map(|found| found.pairs)
+    let judged = |paths: &[PathBuf], masks_px: Option<f64>| {
+        Saved::open(paths, None).and_then(|saved| saved.compare(Plan::default(), masks_px)).map(|found| found.pairs)
     };
     let of_px = |px: f64| MaskOptions { quality: MaskQuality::Error { px }, ..MaskOptions::default() };
     let coarse = staged(&model, Technique::Exact, of_px(4.0)).raster();
     assert_eq!(coarse.meta().trims, Trims::Masks { error_px: 4.0 });
     let path = file("coarse", &coarse);
     assert_eq!(GBuffer::read_npz(&path).expect("readable").meta().trims, Trims::Masks { error_px: 4.0 });
-    let error = judged(std::slice::from_ref(&path), TrimGrant::default()).expect_err("above 0.5 px");
-    assert!(error.to_string().contains("4 px") && error.to_string().contains("--mask-px"), "{error:#}");
-    let granted = TrimGrant { mask_px: 4.0, ..TrimGrant::default() };
-    let pairs = judged(std::slice::from_ref(&path), granted).expect("comparable");
+    for (allowed, flag) in [(None, "--trim texture"), (Some(0.5), "--mask-px")] {
+        let error = judged(std::slice::from_ref(&path), allowed).expect_err("not allowed");
+        assert!(error.to_string().contains("4 px") && error.to_string().contains(flag), "{error:#}");
+    }
+    let pairs = judged(std::slice::from_ref(&path), Some(4.0)).expect("comparable");
     assert!(pairs[0].verdict == Verdict::Agree && pairs[0].coverage.partial > 0, "{pairs:?}");
     // Who understates his masks, or does not mention them, is found out.
     for trims in [Trims::Masks { error_px: 0.25 }, Trims::Exact] {
         let lying = coarse.clone().with_meta(Meta { trims, ..coarse.meta().clone() });
-        let pairs = judged(&[file("lying", &lying)], granted).expect("comparable");
+        let pairs = judged(&[file("lying", &lying)], Some(4.0)).expect("comparable");
         assert!(pairs[0].verdict == Verdict::Differ && pairs[0].causes[&Cause::Trim] > 0, "{trims:?}");
     }
-    // File and caller must not contradict each other.
     let fine = staged(&model, Technique::Fragment, MaskOptions::default()).raster();
-    for (masked, trims, words) in [(false, fine.meta().trims, "masks"), (true, Trims::Exact, "exact trims")] {
-        let own = file("own", &fine.clone().with_meta(Meta { trims, ..fine.meta().clone() }));
-        let error = judged(&[own], TrimGrant { masked: Some(masked), ..granted }).expect_err("a contradiction");
-        assert!(error.to_string().contains(&format!("its meta says {words}")), "{error:#}");
-    }
     let gpu = fine.clone().with_meta(Meta { renderer: "gpu".to_owned(), ..fine.meta().clone() });
-    let pairs = judged(&[file("fine", &fine), file("gpu", &gpu)], TrimGrant::default()).expect("comparable");
+    let pairs = judged(&[file("fine", &fine), file("gpu", &gpu)], Some(0.5)).expect("comparable");
     assert!(pairs.len() == 3 && pairs.iter().all(|pair| pair.verdict == Verdict::Agree), "{pairs:?}");
     let bad = fine.clone().with_meta(Meta { trims: Trims::Masks { error_px: -1.0 }, ..fine.meta().clone() });
-    assert!(judged(&[file("bad", &bad)], granted).expect_err("no error").to_string().contains("-1 px"));
+    assert!(judged(&[file("bad", &bad)], Some(4.0)).expect_err("no error").to_string().contains("-1 px"));
 }

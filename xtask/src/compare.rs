@@ -17,7 +17,7 @@ use crate::view::{ModelArgs, ViewArgs};
 use crate::{output, say};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use compare::UNBOUNDED_SHARE;
+use compare::{PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{Picture, ShadeKind, Shading};
 use pictures::Pictures;
 use pipeline::{DEFAULT_CHORD_PX, Scheme, Technique};
@@ -28,14 +28,15 @@ use std::process::ExitCode;
 /// Render a model by the CPU rasterizer, the GPU and the ray caster, and compare the three; or judge saved G-buffers
 ///
 /// compare MODEL renders and compares. compare B.npz judges a saved G-buffer, of Isophote's or of a renderer of your
-/// own (docs/gbuffer.md), against rays cast now; compare A.npz B.npz judges both, and B against A. If one of the two is
-/// the ray caster's, it is the reference. Saved files bring their camera and size; their model is the built-in one that
-/// they name, or --model.
+/// own (docs/gbuffer.md), against rays cast now; compare A.npz B.npz judges both, and B against A. Saved files bring their
+/// camera and size; their model is the built-in one that they name, or --model. What they say of themselves allows them
+/// nothing: --technique exact allows them no chord, and only --trim texture allows them masks.
 ///
 /// With --antialias every sample of every pixel is rendered and judged, as strictly as a pixel's centre is; pixels count
 /// once for each sample, and the pictures are the samples' mean.
 ///
-/// Exit code 0: all pairs agree; 1: some pixel differs; 2: something could not run (no adapter counts).
+/// Exit code 0: all pairs agree; 1: some pixel differs, or too many have no verdict; 2: something could not run (no adapter
+/// counts), or nobody shows anything.
 #[derive(Debug, Args)]
 pub struct CompareArgs {
     /// A model file (.json, .bpt), the name of a built-in model (see `cargo xtask info --list`), or one or two saved
@@ -74,10 +75,10 @@ pub struct DrawingArgs {
     scheme: SchemeName,
     #[command(flatten)]
     trim: TrimArgs,
-    /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are granted
+    /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are allowed
     #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, value_parser = number::error_px, allow_hyphen_values = true)]
     chord: f64,
-    /// The share of covered pixels that may have a value without a bound in f32, as poles have; from 0 to 1
+    /// The share of covered pixels that may have no verdict for want of a bound, as poles have none; from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE, value_parser = number::share, allow_hyphen_values = true)]
     unbounded: f64,
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
@@ -188,6 +189,18 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     }
 }
 
+/// 0 where all pairs agree; 1 where some pixel differs, or too many have no verdict; 2 where no pair shows anything.
+///
+/// A pair of which neither shows anything says nothing, and is passed over where others do.
+fn exit_code(pairs: &[PairReport]) -> u8 {
+    let shown: Vec<&PairReport> = pairs.iter().filter(|pair| pair.covered > 0).collect();
+    match shown.iter().all(|pair| pair.verdict == Verdict::Agree) {
+        _ if shown.is_empty() => 2,
+        true => 0,
+        false => 1,
+    }
+}
+
 /// Writes and shows a report with its pictures; `print` is what people read.
 fn answer(
     args: &CompareArgs,
@@ -203,10 +216,10 @@ fn answer(
         Format::Json => terminal::json(report)?,
         Format::Table => {
             terminal::show(&Picture::beside(&pictures.views()?.iter().collect::<Vec<_>>()))?;
-            print()?;
             if let Some(folder) = &args.out {
                 say!("pictures and report.json are in {}", folder.display())?;
             }
+            print()?;
         }
     }
     Ok(())

@@ -9,6 +9,7 @@ pub mod pictures;
 pub mod report;
 pub mod run;
 pub mod table;
+pub mod wrong;
 
 use crate::format::Format;
 use crate::{output, say, terminal};

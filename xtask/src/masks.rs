@@ -12,7 +12,7 @@ const DEFAULT_MASK_PX: f64 = 0.5;
 /// How faces are trimmed.
 #[derive(Debug, Clone, Args)]
 pub struct TrimArgs {
-    /// How the rasterizers trim faces [default: exact; of a saved G-buffer: as it says]
+    /// How the rasterizers trim faces, and saved G-buffers may [default: exact]
     #[arg(long, value_enum)]
     trim: Option<TrimName>,
     /// With --trim texture: how far an edge may be off in the picture, from texels and chords together, pixels; of a saved
@@ -43,26 +43,10 @@ enum FillName {
     Earcut,
 }
 
-/// What saved G-buffers may say of their trims.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrimGrant {
-    /// Whether they are by masks, where the caller says so.
-    pub masked: Option<bool>,
-    /// The most that masks may be off, pixels.
-    pub mask_px: f64,
-}
-
-impl Default for TrimGrant {
-    /// Whatever a G-buffer says, with masks as fine as ours are unless asked otherwise.
-    fn default() -> Self {
-        Self { masked: None, mask_px: DEFAULT_MASK_PX }
-    }
-}
-
 impl TrimArgs {
-    /// What is granted to saved G-buffers.
-    pub fn grant(&self) -> TrimGrant {
-        TrimGrant { masked: self.trim.map(|trim| trim == TrimName::Texture), mask_px: self.mask_px }
+    /// How far off the masks of saved G-buffers may be, pixels; `None` where their trims must be exact.
+    pub fn masks_px(&self) -> Option<f64> {
+        (self.trim == Some(TrimName::Texture)).then_some(self.mask_px)
     }
 
     /// The same in the renderers' own words.

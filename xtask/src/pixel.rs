@@ -60,14 +60,12 @@ pub fn run(args: &PixelArgs) -> Result<ExitCode> {
         return Ok(ExitCode::from(2));
     }
     for (reference, candidate, verdict) in stage.pixel(&caster, &rendered, [x, y])? {
-        let cause = verdict.cause.map_or("agree", |cause| cause.label());
+        let open = verdict.unbounded.map_or("agree".to_owned(), |reason| format!("no verdict: {}", reason.label()));
+        let cause = verdict.cause.map_or(open, |cause| cause.label().to_owned());
         say!("{reference} | {candidate}: {cause}: {}", verdict.detail)?;
         let share = |share: Option<f64>| share.map_or("—".to_owned(), |share| format!("{:.1} %", 100.0 * share));
-        let compare::Shares { position, normal, curvature, unbounded, ambiguous } = verdict.shares;
+        let compare::Shares { position, normal, curvature, ambiguous, .. } = verdict.shares;
         say!("  of the intervals: S {}, n {}, k {}", share(position), share(normal), share(curvature))?;
-        if unbounded {
-            say!("  a value has no bound in f32 here: counted, not judged")?;
-        }
         if ambiguous {
             say!("  f32 leaves a decision open here: any of its answers is right")?;
         }

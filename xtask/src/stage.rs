@@ -37,7 +37,7 @@ pub struct Plan {
     pub trim: Trimming,
     /// Whether each pixel records where a trim edge of its face passes.
     pub edges: bool,
-    /// The share of covered pixels that may have a value without a bound in f32: what the scene states.
+    /// The share of covered pixels that may have no verdict for want of a bound: what the scene states.
     pub unbounded_share: f64,
 }
 
@@ -140,7 +140,11 @@ impl ShadedReport {
         }
         reports.into_iter().enumerate().map(named).reduce(|a, b| {
             let (first, sample) = if a.first.is_some() { (a.first, a.sample) } else { (b.first, b.sample) };
-            let verdict = if a.verdict == Verdict::Agree { b.verdict } else { a.verdict };
+            let verdict = match (a.covered, b.covered) {
+                (0, _) => b.verdict,
+                (_, 0) => a.verdict,
+                _ => a.verdict.max(b.verdict),
+            };
             Self { covered: a.covered + b.covered, differ: a.differ + b.differ, first, sample, verdict }
         })
     }
@@ -293,7 +297,7 @@ impl<'m> Stage<'m> {
     /// Compares all pairs.
     ///
     /// # Errors
-    /// Where two buffers cannot be compared, or show nothing.
+    /// Where two buffers cannot be compared.
     pub fn compare(&self, caster: &Caster, rendered: &Rendered) -> Result<Vec<PairReport>> {
         let mut pairs = vec![self.against_raycast(caster, &rendered.raycast, &rendered.raster)?];
         if let Ok(gpu) = &rendered.gpu {
@@ -361,13 +365,21 @@ impl<'m> Stage<'m> {
         Judge::new(self.model, &self.camera, self.viewport, &self.scene).with_unbounded_share(self.plan.unbounded_share)
     }
 
+    /// What the triangles keep, for each face.
+    pub fn chord(&self) -> Vec<Vec<f64>> {
+        self.proxy.chord.iter().map(|chord| vec![*chord]).collect()
+    }
+
     /// The allowance against the surface itself, or between two renderers of the same triangles.
     fn deviation(&self, exact: bool) -> Deviation {
+        let asked_px = self.plan.chord_px;
+        let chord = self.chord();
+        let solved = || Deviation::exact().with_unanswered();
         let deviation = match (self.plan.technique, exact) {
-            (Technique::Fragment, true) => Deviation::of_proxy(&self.interpolation, &self.proxy.chord),
-            (Technique::Fragment, false) => Deviation::of_same_proxy(&self.interpolation, &self.proxy.chord),
-            (Technique::Exact, true) => Deviation::exact(self.model),
-            (Technique::Exact, false) => Deviation::exact(self.model).either(&Deviation::exact(self.model)),
+            (Technique::Fragment, true) => Deviation::of_proxy(&self.interpolation, &chord, asked_px),
+            (Technique::Fragment, false) => Deviation::of_same_proxy(&self.interpolation, &chord, asked_px),
+            (Technique::Exact, true) => solved(),
+            (Technique::Exact, false) => solved().either(&solved()),
         };
         match &self.scene.masks {
             None => deviation,
@@ -398,7 +410,7 @@ impl<'m> Stage<'m> {
             bail!("the shaded picture measures {}x{}, not {width}x{height}", picture.width(), picture.height());
         }
         let uniform = shading.uniform(&self.camera, self.model.hull().diagonal());
-        let mut report = ShadedReport { covered: 0, differ: 0, first: None, sample: None, verdict: Verdict::Differ };
+        let mut report = ShadedReport { covered: 0, differ: 0, first: None, sample: None, verdict: Verdict::NoVerdict };
         for y in 0..height {
             for x in 0..width {
                 let allowed = match gpu.get(x, y) {
@@ -419,9 +431,11 @@ impl<'m> Stage<'m> {
                 }
             }
         }
-        if report.differ == 0 && report.covered > 0 {
-            report.verdict = Verdict::Agree;
-        }
+        report.verdict = match (report.differ, report.covered) {
+            (0, 0) => Verdict::NoVerdict,
+            (0, _) => Verdict::Agree,
+            _ => Verdict::Differ,
+        };
         Ok(report)
     }
 

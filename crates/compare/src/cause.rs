@@ -10,6 +10,8 @@ pub enum Cause {
     Coverage,
     /// A point is shown that a nearer one hides.
     Depth,
+    /// All is right but the distance along the ray, which is not that of the point shown.
+    Distance,
     /// The numbers are those of another face.
     Face,
     /// The numbers are those of another knot span's polynomial, or the program left the knot vector.
@@ -54,6 +56,7 @@ impl Cause {
         match self {
             Cause::Coverage => "coverage",
             Cause::Depth => "depth",
+            Cause::Distance => "distance along the ray",
             Cause::Face => "face",
             Cause::Span => "span",
             Cause::Parameters => "u and v exchanged",

@@ -1,8 +1,9 @@
 //! How far across the ray a candidate's point may lie from what the reference shows, before any rounding of S itself.
 
-use nurbs::{DerivativeBounds, Surface};
+use nurbs::{BezierPatch, Surface};
 use rayon::prelude::*;
 use scene::{Camera, Model, Viewport};
+use std::sync::Arc;
 
 /// Vertices snap to 1/256 pixel, each coordinate by at most half of it; a viewport transform in f32 adds less than
 /// the other half up to 16384 pixels.
@@ -19,47 +20,83 @@ pub const EXACT_PX: f64 = 0.01;
 /// ([`pipeline::sight::NEAR_PX`]), what technique `exact` leaves of the way to that point, and rounding of positions.
 pub const EDGE_PX: f64 = 0.01;
 
-/// What the accuracy of interpolated parameters amounts to on each face of a model, model units.
+/// A pixel of flat triangles has no verdict where its bound comes to this many times the chord that was asked for.
+///
+/// Where a pixel's size is right, at a face's nearest depth, the bound is the chord and a fiftieth more; twice as much holds
+/// 60° off the view's axis, where a model unit covers twice the pixels.
+pub const TRIANGLES_MULTIPLE: f64 = 2.0;
+
+/// A pixel of technique `exact` has no verdict where its bound comes to this many times [`EXACT_PX`].
+///
+/// All of it but a quarter is for the rounding of S, seen there: at 64 × 64 pixels it is a hundredth of that for bicubic
+/// surfaces, and three hundredths for degree 9.
+pub const EXACT_MULTIPLE: f64 = 4.0;
+
+/// The share of covered pixels in which a renderer of this program that solves for the surface may end without an answer.
+pub const UNANSWERED_SHARE: f64 = 1e-3;
+
+/// What the accuracy of interpolated parameters amounts to on each Bézier piece of a model's surfaces, model units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Interpolation(Vec<f64>);
+pub struct Interpolation {
+    /// Pieces in the order of [`Surface::bezier_patches`].
+    per_surface: Arc<Vec<Vec<f64>>>,
+    /// Of each face.
+    surfaces: Vec<usize>,
+}
 
 impl Interpolation {
-    /// [`ATTRIBUTE_ULPS`] of each domain at the greatest speeds of its surface.
+    /// [`ATTRIBUTE_ULPS`] of each domain at the greatest speeds of each piece.
     pub fn of(model: &Model) -> Self {
-        let per_surface: Vec<f64> = model.surfaces().par_iter().map(attribute_of).collect();
-        Self(model.faces().iter().map(|face| per_surface[face.surface]).collect())
+        let per_surface = Arc::new(model.surfaces().par_iter().map(attributes_of).collect());
+        Self { per_surface, surfaces: model.faces().iter().map(|face| face.surface).collect() }
+    }
+
+    fn at(&self, face: usize, piece: usize) -> f64 {
+        self.per_surface[self.surfaces[face]][piece]
     }
 }
 
 /// The allowance of a pair of renderers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deviation {
-    /// Per face: the greatest distance of a flat proxy triangle from S at its (u, v), model units. Zeros where both
-    /// renderers draw the same triangles.
-    pub chord: Vec<f64>,
-    /// Per face: the chord bound of the triangles that are drawn, even where it does not count between two renderers of
-    /// the same ones, model units. It holds the pixels at an edge of the triangles: snapping may put a pixel's centre
-    /// outside the triangle that covers it, and a renderer then follows the triangle's plane beyond the edge.
-    pub edge_chord: Vec<f64>,
-    /// Per face: what the accuracy of interpolated parameters amounts to, model units.
-    pub attribute: Vec<f64>,
+    /// Per face: the greatest distance of a flat proxy triangle from S at its (u, v), model units; a number for each Bézier
+    /// piece of its surface, in the order of [`Surface::bezier_patches`], or one for all of them. Empty where both
+    /// renderers draw the same triangles, or none.
+    pub chord: Vec<Vec<f64>>,
+    /// Per face and piece: the chord bound of the triangles that are drawn, even where it does not count between two
+    /// renderers of the same ones, model units. It holds the pixels at an edge of the triangles: snapping may put a pixel's
+    /// centre outside the triangle that covers it, and a renderer then follows the triangle's plane beyond the edge.
+    pub edge_chord: Vec<Vec<f64>>,
+    /// What the accuracy of interpolated parameters amounts to, once for each side that interpolates them.
+    pub interpolation: Vec<Interpolation>,
+    /// Whether triangles go on beyond a bounded face's border and show the border's point there.
+    pub has_skirts: bool,
     /// Pixels: snapping of vertices; [`EXACT_PX`] where there are none.
     pub snap_px: f64,
     /// How near an edge of a face that loops bound may pass the centre of a pixel that is shown the wrong side of it, pixels.
     pub edge_px: f64,
+    /// The least bound with which a pixel has no verdict, pixels.
+    pub limit_px: f64,
+    /// The share of covered pixels in which the candidate may say that it found no answer.
+    pub unanswered_share: f64,
     /// All of it in words.
     pub text: String,
 }
 
 impl Deviation {
-    /// A rasterizer of flat triangles, whose chord bounds are given a face, against the surface itself.
-    pub fn of_proxy(interpolation: &Interpolation, chord: &[f64]) -> Self {
+    /// A rasterizer of flat triangles, asked to stay within `asked_px` pixels, against the surface itself. `chord` holds
+    /// what they keep: for each face a number for each piece, or one.
+    pub fn of_proxy(interpolation: &Interpolation, chord: &[Vec<f64>], asked_px: f64) -> Self {
         Self {
             chord: chord.to_vec(),
             edge_chord: chord.to_vec(),
-            attribute: interpolation.0.clone(),
+            interpolation: vec![interpolation.clone()],
+            has_skirts: true,
             snap_px: SNAP_PX,
             edge_px: EDGE_PX,
+            // A chord below 1/100 pixel cannot be asked for in earnest: vertices snap to 1/256.
+            limit_px: TRIANGLES_MULTIPLE * asked_px.max(EXACT_PX),
+            unanswered_share: 0.0,
             text: format!(
                 "chord bound of the tessellation (Filip, Magedson & Markot 1986) + {SNAP_PX} px of vertex snapping + \
                  {ATTRIBUTE_ULPS} ulp of interpolated parameters; rounding of S: its proven interval"
@@ -67,12 +104,10 @@ impl Deviation {
         }
     }
 
-    /// Two rasterizers of the same triangles, whose chord bounds are given a face.
-    pub fn of_same_proxy(interpolation: &Interpolation, chord: &[f64]) -> Self {
+    /// Two rasterizers of the same triangles, whose chord bounds are given as for [`Self::of_proxy`].
+    pub fn of_same_proxy(interpolation: &Interpolation, chord: &[Vec<f64>], asked_px: f64) -> Self {
         Self {
-            chord: vec![0.0; chord.len()],
-            edge_chord: chord.to_vec(),
-            attribute: interpolation.0.clone(),
+            chord: vec![],
             snap_px: 2.0 * SNAP_PX,
             edge_px: 2.0 * EDGE_PX,
             text: format!(
@@ -80,50 +115,60 @@ impl Deviation {
                  parameters; rounding of S: its proven interval",
                 2.0 * SNAP_PX
             ),
+            ..Self::of_proxy(interpolation, chord, asked_px)
         }
     }
 
     /// A rasterizer of flat triangles that are not known, but said to stay within `chord_px` pixels of S at their (u, v),
     /// pixels being measured at the nearest depth of each face's control points ([`Camera::pixel_at`]).
     ///
-    /// `chord_px` is what the caller is ready to grant, not what a G-buffer says of itself.
+    /// `chord_px` is what the caller allows, not what a G-buffer says of itself.
     pub fn of_claimed_chord(model: &Model, camera: &Camera, viewport: Viewport, chord_px: f64) -> Self {
-        let chord = |face: usize| chord_px * camera.pixel_at(viewport, model.surfaces()[face].hull());
-        let chord: Vec<f64> = model.faces().iter().map(|face| chord(face.surface)).collect();
+        let chord = |face: usize| vec![chord_px * camera.pixel_at(viewport, model.surfaces()[face].hull())];
+        let chord: Vec<Vec<f64>> = model.faces().iter().map(|face| chord(face.surface)).collect();
         Self {
             edge_px: chord_px + SNAP_PX,
             text: format!(
                 "claimed chord of {chord_px} px at each face's nearest depth + {SNAP_PX} px of vertex snapping + \
                  {ATTRIBUTE_ULPS} ulp of interpolated parameters"
             ),
-            ..Self::of_proxy(&Interpolation::of(model), &chord)
+            ..Self::of_proxy(&Interpolation::of(model), &chord, chord_px)
         }
     }
 
     /// A renderer that solves for the point on the pixel's ray, against another that does: [`EXACT_PX`], and no chord.
     ///
-    /// Rounding of the parameters found is not granted anything beside it.
-    pub fn exact(model: &Model) -> Self {
-        let none = vec![0.0; model.faces().len()];
+    /// Rounding of the parameters found is not allowed anything beside it.
+    pub fn exact() -> Self {
         Self {
-            chord: none.clone(),
-            edge_chord: none.clone(),
-            attribute: none,
+            chord: vec![],
+            edge_chord: vec![],
+            interpolation: vec![],
+            has_skirts: false,
             snap_px: EXACT_PX,
             edge_px: EDGE_PX,
+            limit_px: EXACT_MULTIPLE * EXACT_PX,
+            unanswered_share: 0.0,
             text: format!("{EXACT_PX} px from the pixel's ray"),
         }
     }
 
+    /// The same for a renderer of this program, whose search may end without an answer in a few pixels and then says so.
+    pub fn with_unanswered(self) -> Self {
+        Self { unanswered_share: UNANSWERED_SHARE, ..self }
+    }
+
     /// What two renderers may differ by, each of which has an allowance of its own against the surface.
     pub fn either(&self, other: &Self) -> Self {
-        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
         Self {
-            chord: sum(&self.chord, &other.chord),
-            edge_chord: sum(&self.edge_chord, &other.edge_chord),
-            attribute: sum(&self.attribute, &other.attribute),
+            chord: sums(&self.chord, &other.chord),
+            edge_chord: sums(&self.edge_chord, &other.edge_chord),
+            interpolation: self.interpolation.iter().chain(&other.interpolation).cloned().collect(),
+            has_skirts: self.has_skirts || other.has_skirts,
             snap_px: self.snap_px + other.snap_px,
             edge_px: self.edge_px + other.edge_px,
+            limit_px: self.limit_px + other.limit_px,
+            unanswered_share: self.unanswered_share.max(other.unanswered_share),
             text: if self.text == other.text {
                 format!("on either side {}", self.text)
             } else {
@@ -132,18 +177,42 @@ impl Deviation {
         }
     }
 
-    /// The allowance in model units at face `face`.
-    pub fn model_units(&self, face: usize) -> f64 {
-        self.chord[face] + self.attribute[face]
+    /// The chord of a piece of a face, model units.
+    pub(crate) fn chord_at(&self, face: usize, piece: usize) -> f64 {
+        of_piece(&self.chord, face, piece)
+    }
+
+    /// The same at the edges of the triangles.
+    pub(crate) fn edge_chord_at(&self, face: usize, piece: usize) -> f64 {
+        of_piece(&self.edge_chord, face, piece)
+    }
+
+    /// What interpolation of parameters amounts to on a piece of a face, model units.
+    pub(crate) fn attribute_at(&self, face: usize, piece: usize) -> f64 {
+        self.interpolation.iter().map(|side| side.at(face, piece)).sum()
     }
 }
 
-fn attribute_of(surface: &Surface) -> f64 {
-    let bounds = surface
-        .bezier_patches()
-        .iter()
-        .map(|patch| patch.derivative_bounds())
-        .fold(DerivativeBounds::default(), DerivativeBounds::max);
+/// The number of a piece in a list of one for each, or of one for all; none in an empty list.
+fn of_piece(faces: &[Vec<f64>], face: usize, piece: usize) -> f64 {
+    let Some(pieces) = faces.get(face) else { return 0.0 };
+    if let [all] = pieces[..] { all } else { pieces[piece] }
+}
+
+fn sums(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let faces = a.len().max(b.len());
+    let pieces = |face: usize| {
+        let count = [a, b].iter().filter_map(|of| of.get(face)).map(Vec::len).max().unwrap_or(0);
+        (0..count).map(|piece| of_piece(a, face, piece) + of_piece(b, face, piece)).collect()
+    };
+    (0..faces).map(pieces).collect()
+}
+
+fn attributes_of(surface: &Surface) -> Vec<f64> {
     let [[u0, u1], [v0, v1]] = surface.domain();
-    ATTRIBUTE_ULPS / (1u64 << 24) as f64 * (bounds.u * (u1 - u0) + bounds.v * (v1 - v0))
+    let of_piece = |patch: &BezierPatch| {
+        let bounds = patch.derivative_bounds();
+        ATTRIBUTE_ULPS / (1u64 << 24) as f64 * (bounds.u * (u1 - u0) + bounds.v * (v1 - v0))
+    };
+    surface.bezier_patches().iter().map(of_piece).collect()
 }

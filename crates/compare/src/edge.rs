@@ -1,5 +1,6 @@
 //! Whether a hit's trim edge is where the picture has it: in f64, by the region's monotone pieces and the camera itself.
 
+use crate::evaluation::radius;
 use crate::judge::{Difference, Judge};
 use crate::{Cause, trim};
 use gbuffer::{EDGE_REACH_PX, Hit};
@@ -132,10 +133,7 @@ impl Judge<'_> {
         let size = frame.edge_band * region.domain().size();
         let curves = size.x * about.slopes.x_axis.length() + size.y * about.slopes.y_axis.length();
         let enclosures = enclose(self.scene, hit.face.0, frame.parameters(hit.uv), false);
-        let widths = enclosures
-            .iter()
-            .filter_map(|e| e.position)
-            .map(|s| s.iter().map(|x| (x.half_width + x.packing).powi(2)).sum::<f64>().sqrt() * frame.scale);
+        let widths = enclosures.iter().filter_map(|e| e.position).map(|s| radius(&s) * frame.scale);
         let s = self.surface_point(hit);
         let rounded = self.camera.pixels_within(self.viewport, s, widths.fold(0.0, f64::max));
         let m = &self.views[hit.face.0 as usize].clip_from_local;

@@ -38,12 +38,4 @@ pub enum CompareError {
         /// Faces of the model.
         count: usize,
     },
-    /// Neither buffer covers a single pixel: there is nothing to agree on.
-    #[error("neither {reference:?} nor {candidate:?} covers a pixel: nothing was compared")]
-    Empty {
-        /// Name of the reference.
-        reference: String,
-        /// Name of the candidate.
-        candidate: String,
-    },
 }

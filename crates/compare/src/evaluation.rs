@@ -1,7 +1,7 @@
 //! The values of a hit against what the fragment program may return at the hit's own (u, v).
 
 use crate::judge::{Difference, Judge};
-use crate::{Cause, NEARLY, Shares};
+use crate::{Cause, NEARLY, Shares, Unbounded};
 use gbuffer::{Hit, PrincipalCurvatures};
 use nurbs::{Direction, Normal, SurfacePoint};
 use pipeline::PackedFrame;
@@ -18,12 +18,19 @@ const OWN_ROUNDING: f64 = 1.0 / 1024.0;
 /// this to a knot are on either span.
 const KNOT_ULPS: f64 = 2.0;
 
+/// Values that are as they may be.
+pub(crate) struct Evaluated {
+    pub shares: Shares,
+    /// How far from S the one returned may be, model units; infinite where it has no bound.
+    pub radius: f64,
+}
+
 impl Judge<'_> {
     /// Checks a hit's values at its own (u, v).
     ///
     /// They must lie in the enclosure on some pair of spans that f32 allows; and S, normal and curvatures in f64 must lie
     /// no farther from its middle than packing narrows, for otherwise the packed face is another one.
-    pub(crate) fn evaluation(&self, hit: &Hit) -> Result<Shares, Difference> {
+    pub(crate) fn evaluation(&self, hit: &Hit) -> Result<Evaluated, Difference> {
         if !hit.uv.is_finite() || !hit.position.is_finite() {
             let detail = format!("(u, v) = {}, S = {}", hit.uv, hit.position);
             return Err(Difference::new(self.attribution.of_position(hit, f64::INFINITY), f64::INFINITY, detail));
@@ -39,7 +46,9 @@ impl Judge<'_> {
             match self.inside(hit, &local, enclosure) {
                 Ok(shares) => {
                     self.packed_rightly(hit, &local, &widened(enclosure, kept))?;
-                    return Ok(Shares { ambiguous: enclosures.is_ambiguous(), ..shares });
+                    let shares = Shares { ambiguous: enclosures.is_ambiguous(), ..shares };
+                    let radius = enclosure.position.map_or(f64::INFINITY, |s| radius(&s) * frame.scale);
+                    return Ok(Evaluated { shares, radius });
                 }
                 Err(difference) => first = first.or(Some(difference)),
             }
@@ -51,7 +60,7 @@ impl Judge<'_> {
     fn inside(&self, hit: &Hit, local: &Local, enclosure: &Enclosure) -> Result<Shares, Difference> {
         let mut shares = Shares::default();
         match &enclosure.position {
-            None => shares.unbounded = true,
+            None => shares.unbounded = Some(Unbounded::Rounding),
             Some(intervals) => {
                 let share = greatest(intervals, local.position, local.slack);
                 if share > 1.0 {
@@ -66,18 +75,20 @@ impl Judge<'_> {
                 let detail = "no normal where the program finds one however it rounds".to_owned();
                 return Err(Difference::new(Cause::DegenerateNormal, f64::INFINITY, detail));
             }
-            return Ok(shares);
+            // Where f32 may find one, one was not returned that could be judged.
+            let open = (enclosure.regularity == Regularity::Either).then_some(Unbounded::Normal);
+            return Ok(Shares { unbounded: shares.unbounded.or(open), ..shares });
         };
         if enclosure.regularity == Regularity::Degenerate {
             // A renderer in f64 may know the limit.
             if let Normal::Limit(_) = hit.normal {
-                return Ok(Shares { unbounded: true, ..shares });
+                return Ok(Shares { unbounded: shares.unbounded.or(Some(Unbounded::Normal)), ..shares });
             }
             let detail = "a normal where the program finds none however it rounds".to_owned();
             return Err(Difference::new(Cause::DegenerateNormal, f64::INFINITY, detail));
         }
         let Some(intervals) = &enclosure.normal else {
-            return Ok(Shares { unbounded: true, ..shares });
+            return Ok(Shares { unbounded: shares.unbounded.or(Some(Unbounded::Normal)), ..shares });
         };
         let share = greatest(intervals, normal.to_array(), 0.0);
         if share > 1.0 {
@@ -98,7 +109,7 @@ impl Judge<'_> {
         shares.normal = Some(share);
         let Some(k) = local.curvature else { return Ok(shares) };
         let Some(intervals) = &enclosure.curvature else {
-            return Ok(Shares { unbounded: true, ..shares });
+            return Ok(Shares { unbounded: shares.unbounded.or(Some(Unbounded::Curvature)), ..shares });
         };
         let share = greatest(intervals, k, 0.0);
         if share > 1.0 {
@@ -175,6 +186,11 @@ impl Judge<'_> {
         let v = hit.uv.y;
         one(Direction::U, hit.uv.x).flat_map(move |k| one(Direction::V, v).map(move |l| [k, l]))
     }
+}
+
+/// Half the diagonal of the box that intervals make.
+pub(crate) fn radius(intervals: &[Interval; 3]) -> f64 {
+    intervals.iter().map(|x| (x.half_width + x.packing).powi(2)).sum::<f64>().sqrt()
 }
 
 /// A hit in its face's local coordinates.

@@ -1,12 +1,13 @@
 //! The judge of a model's renderings: who may be compared, and how.
 
 use crate::attribution::Attribution;
-use crate::pair::Pair;
+use crate::pair::{Finding, Pair};
 use crate::tally::Tally;
 use crate::trim::{self, Place};
-use crate::{Cause, CompareError, Deviation, PairReport, PixelVerdict, Sampler, Shares, UNBOUNDED_SHARE};
+use crate::{Cause, CompareError, Deviation, PairReport, PixelVerdict, Sampler, Shares, UNBOUNDED_SHARE, Unbounded};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
+use nurbs::Direction;
 use pipeline::sight::REACH_PX;
 use pipeline::{PackedScene, View};
 use rayon::prelude::*;
@@ -17,6 +18,9 @@ const FOLLOWED_PX: f64 = 8.0;
 
 /// Steps of that search at most: it converges quadratically, but close by a fold.
 const FOLLOWING_STEPS: u32 = 24;
+
+/// As near to a knot as this, in units of 2⁻²⁴ of the domain, parameters of f32 may belong to the piece on its other side.
+const PIECE_ULPS: f64 = 2.0;
 
 /// An offset from a picture position that counts as none, pixels.
 const FOUND_PX: f64 = 1e-7;
@@ -56,7 +60,7 @@ impl<'m> Judge<'m> {
         Self { model, camera, viewport, size, scene, views, unbounded_share: UNBOUNDED_SHARE, attribution }
     }
 
-    /// The same judge for a scene in which another share of the covered pixels may have a value without a bound.
+    /// The same judge for a scene in which another share of the covered pixels may have no verdict for want of a bound.
     pub fn with_unbounded_share(self, unbounded_share: f64) -> Self {
         Self { unbounded_share, ..self }
     }
@@ -71,7 +75,7 @@ impl<'m> Judge<'m> {
     ///    f64, or an edge passes within the band of f32's own classification
     ///    ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band)) or [`Deviation::edge_px`] of the pixel's centre,
     ///    and what one step of Newton's method from (u, v) leaves of the way to that ray;
-    /// 3. *geometry*: S(u, v) projects to within the bound ([`Deviation::model_units`], seen there) of what the reference shows there:
+    /// 3. *geometry*: S(u, v) projects to within the bound (chord and interpolation of its Bézier piece, seen there) of what the reference shows there:
     ///    of the pixel's centre, for a ray caster;
     /// 4. *visibility*: nothing that the reference sees within the bound of the centre hides that point by more than
     ///    the bound, everywhere;
@@ -80,17 +84,24 @@ impl<'m> Judge<'m> {
     ///    [`Deviation::edge_px`], and a position where nothing is seen counts only beyond a fold;
     /// 6. *trim edges*, where the candidate was asked for them: there is one at the place that it records, none is nearer,
     ///    and none is within reach where it records none, to within what f32 and the linear map at its own (u, v) may be
-    ///    off. A failure is `Trim`.
+    ///    off. A failure is `Trim`;
+    /// 7. *distance*: the stated distance is that of S(u, v) along the pixel's ray, up to the rounding of S and of a
+    ///    depth in f32. The tests before take that distance from S(u, v) itself.
     ///
-    /// A pixel that differs is `Undecided` where the reference says that it could not decide it, and else
-    /// `NewtonNotConverged` where the candidate says that it did not converge. For a candidate of technique `exact` a
+    /// A pixel has no verdict, and counts as unbounded, where a value has no bound in f32, where f64 cannot hold (u, v), or
+    /// where all that it is allowed (chord, interpolation, snapping, and rounding of S, seen there) comes to
+    /// [`Deviation::limit_px`].
+    ///
+    /// A pixel that differs is `Undecided` where a ray caster as the reference says that it could not decide it, and else
+    /// `NewtonNotConverged` where the candidate says that it did not converge, which [`Deviation::unanswered_share`] of the
+    /// covered pixels may. For a candidate of technique `exact` a
     /// failure of 4 or 5 (a nearer surface is not shown) is a `MissedRoot`, for others `Depth` or `Coverage`; where that
     /// surface is a trimmed face's, it is `Trim`.
     ///
     /// `exact` says that the reference is a ray caster. `progress` is told of every row done.
     ///
     /// # Errors
-    /// [`CompareError`] where the two cannot be compared or nothing is covered.
+    /// [`CompareError`] where the two cannot be compared.
     pub fn pair(
         &self,
         reference: &GBuffer,
@@ -133,16 +144,17 @@ impl<'m> Judge<'m> {
     ) -> Result<PixelVerdict, CompareError> {
         self.check(reference, candidate)?;
         let pair = Pair { judge: self, reference, candidate, sampler, deviation, exact };
+        let evaluated = || candidate.get(at[0], at[1]).and_then(|hit| self.evaluation(hit).ok());
+        let shares = || evaluated().map_or(Shares::default(), |evaluated| evaluated.shares);
+        let verdict = |cause, unbounded, detail, shares| PixelVerdict { cause, detail, unbounded, shares };
         Ok(match pair.pixel(at[0], at[1]) {
-            Ok(None) => PixelVerdict { cause: None, detail: "neither covers it".to_owned(), shares: Shares::default() },
-            Ok(Some(agreement)) => {
-                let across = format!("{:.6} px across the ray (bound {:.6})", agreement.across_px, agreement.bound_px);
-                PixelVerdict { cause: None, detail: across, shares: agreement.shares }
+            Finding::Uncovered => verdict(None, None, "neither covers it".to_owned(), Shares::default()),
+            Finding::Agrees(found) => {
+                let across = format!("{:.6} px across the ray (bound {:.6})", found.across_px, found.bound_px);
+                verdict(None, None, across, found.shares)
             }
-            Err(Difference { cause, detail, .. }) => {
-                let shares = candidate.get(at[0], at[1]).and_then(|hit| self.evaluation(hit).ok()).unwrap_or_default();
-                PixelVerdict { cause: Some(cause), detail, shares }
-            }
+            Finding::Unbounded(reason, detail) => verdict(None, Some(reason), detail, shares()),
+            Finding::Differs(Difference { cause, detail, .. }) => verdict(Some(cause), None, detail, shares()),
         })
     }
 
@@ -173,9 +185,6 @@ impl<'m> Judge<'m> {
             if let Some(hit) = buffer.pixels().flatten().find(|hit| hit.face.0 as usize >= count) {
                 return Err(CompareError::NoSuchFace { renderer: meta.renderer.clone(), face: hit.face.0, count });
             }
-        }
-        if reference.covered() == 0 && candidate.covered() == 0 {
-            return Err(CompareError::Empty { reference: r.renderer.clone(), candidate: c.renderer.clone() });
         }
         Ok(())
     }
@@ -291,6 +300,38 @@ impl<'m> Judge<'m> {
             }
         }
         None
+    }
+
+    /// The Bézier pieces, in the order of [`nurbs::Surface::bezier_patches`], that a hit's parameters may belong to: at a
+    /// knot those on its either side.
+    pub(crate) fn pieces(&self, hit: &Hit) -> impl Iterator<Item = usize> {
+        let surface = self.model.surface(hit.face);
+        let near = |direction: Direction, t: f64| {
+            let knots = surface.knots(direction);
+            let slack = PIECE_ULPS / (1u64 << 24) as f64 * knots.length();
+            let (own, all) = (knots.find_span(t), knots.knots());
+            let is_near = move |k: usize| k == own || all[k] <= t + slack && t - slack <= all[k + 1];
+            knots.spans().enumerate().filter(move |(_, k)| is_near(*k)).map(|(place, _)| place)
+        };
+        let columns = surface.knots(Direction::V).spans().count();
+        let v = hit.uv.y;
+        near(Direction::U, hit.uv.x).flat_map(move |k| near(Direction::V, v).map(move |l| k * columns + l))
+    }
+
+    /// Whether f64 tells places at a hit's parameters apart as well as f32 does on a Bézier piece of its own.
+    pub(crate) fn holds_parameters(&self, hit: &Hit) -> Result<(), (Unbounded, String)> {
+        let surface = self.model.surface(hit.face);
+        for (name, direction, t) in [("u", Direction::U, hit.uv.x), ("v", Direction::V, hit.uv.y)] {
+            let knots = surface.knots(direction);
+            let span = knots.find_span(t);
+            let [start, end] = [knots.knots()[span], knots.knots()[span + 1]];
+            let spacing = t.abs().next_up() - t.abs();
+            if spacing > (end - start) / (1u64 << 24) as f64 {
+                let detail = format!("{name} = {t} is a multiple of {spacing:.3e} on a span of {:.3e}", end - start);
+                return Err((Unbounded::Parameters, detail));
+            }
+        }
+        Ok(())
     }
 
     /// S in f64 at a hit's own parameters.

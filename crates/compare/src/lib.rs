@@ -18,13 +18,18 @@ mod sampler;
 mod shares;
 mod tally;
 mod trim;
+mod unbounded;
 
 pub use attribution::NEARLY;
 pub use cause::Cause;
-pub use deviation::{ATTRIBUTE_ULPS, Deviation, EDGE_PX, EXACT_PX, Interpolation, SNAP_PX};
+pub use deviation::{
+    ATTRIBUTE_ULPS, Deviation, EDGE_PX, EXACT_MULTIPLE, EXACT_PX, Interpolation, SNAP_PX, TRIANGLES_MULTIPLE,
+    UNANSWERED_SHARE,
+};
 pub use error::CompareError;
 pub use judge::Judge;
-pub use report::{Coverage, Edges, Identical, PairReport, PixelReport, PixelVerdict, Verdict};
+pub use report::{Counts, Coverage, Edges, Identical, PairReport, PixelReport, PixelVerdict, Verdict};
+pub use report::{UNBOUNDED_SHARE, UNDECIDED_SHARE};
 pub use sampler::Sampler;
 pub use shares::{BINS, Histogram, Histograms, Shares};
-pub use tally::{UNBOUNDED_SHARE, UNDECIDED_SHARE};
+pub use unbounded::Unbounded;

@@ -1,8 +1,9 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
 use crate::edge::EdgeFound;
+use crate::evaluation::Evaluated;
 use crate::judge::{Difference, Judge};
-use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares};
+use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares, Unbounded};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 use pipeline::sight::NEAR_PX;
@@ -21,11 +22,55 @@ const GRID: usize = 48;
 /// The technique, as a G-buffer's facts name it, that solves for the surface at each pixel.
 const EXACT: &str = "exact";
 
+/// Steps of the search for the place of a border that is nearest in the picture: it only has to come within the radius that
+/// is asked about, and its steps shrink quadratically along a border that is smooth.
+const BORDER_STEPS: u32 = 4;
+
+/// What was found at a pixel.
+pub(crate) enum Finding {
+    /// Nobody covers it.
+    Uncovered,
+    /// The two agree.
+    Agrees(Agreement),
+    /// It has no verdict; why, in words too.
+    Unbounded(Unbounded, String),
+    /// They differ.
+    Differs(Difference),
+}
+
+/// Why a pixel does not agree.
+enum Failed {
+    Unbounded(Unbounded, String),
+    Differs(Difference),
+}
+
+impl From<Difference> for Failed {
+    fn from(difference: Difference) -> Self {
+        Self::Differs(difference)
+    }
+}
+
+/// What a pixel is allowed, by what it comes of, pixels.
+#[derive(Debug, Clone, Copy)]
+struct Bound {
+    chord: f64,
+    attribute: f64,
+    snap: f64,
+    rounding: f64,
+    /// What counts across the ray: all of it but the rounding, by which the values are judged.
+    across: f64,
+    /// All of it.
+    whole: f64,
+}
+
 /// What was found at a pixel that agrees.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Agreement {
     pub across_px: f64,
+    /// What counts across the ray.
     pub bound_px: f64,
+    /// The same with the rounding of S.
+    pub whole_bound_px: f64,
     pub along: f64,
     pub shares: Shares,
     /// The candidate's trim edge, where it was judged.
@@ -44,24 +89,32 @@ pub(crate) struct Pair<'a, 'm> {
 }
 
 impl Pair<'_, '_> {
-    pub fn pixel(&self, x: usize, y: usize) -> Result<Option<Agreement>, Difference> {
+    pub fn pixel(&self, x: usize, y: usize) -> Finding {
         let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-        let result = match (self.reference.get(x, y), self.candidate.get(x, y)) {
-            (None, None) => Ok(None),
-            (reference, Some(candidate)) => self
-                .shown(center, reference, candidate)
-                .and_then(|found| Ok(Some(Agreement { edge: self.edge(center, candidate)?, ..found }))),
-            (Some(reference), None) => self.missing(center, reference).map(|()| Some(Agreement::default())),
+        let found = match (self.reference.get(x, y), self.candidate.get(x, y)) {
+            (None, None) => return Finding::Uncovered,
+            (reference, Some(candidate)) => self.shown(center, reference, candidate),
+            (Some(reference), None) => self.absent(center, reference),
         };
-        match result {
-            Err(difference) if self.reference.is_undecided(x, y) => {
-                Err(Difference { cause: Cause::Undecided, ..difference })
-            }
-            Err(difference) if self.candidate.is_undecided(x, y) => {
-                Err(Difference { cause: Cause::NewtonNotConverged, ..difference })
-            }
-            other => other,
-        }
+        let difference = match found {
+            Ok(found) => return Finding::Agrees(found),
+            Err(Failed::Unbounded(reason, detail)) => return Finding::Unbounded(reason, detail),
+            Err(Failed::Differs(difference)) => difference,
+        };
+        // What a reference says of itself counts only where it is a ray caster, asked here and now.
+        let cause = if self.exact && self.reference.is_undecided(x, y) {
+            Cause::Undecided
+        } else if self.candidate.is_undecided(x, y) || self.may_lack_answers() && self.reference.is_undecided(x, y) {
+            Cause::NewtonNotConverged
+        } else {
+            difference.cause
+        };
+        Finding::Differs(Difference { cause, ..difference })
+    }
+
+    /// Whether both renderers are of this program, and say where their searches end without an answer.
+    fn may_lack_answers(&self) -> bool {
+        self.deviation.unanswered_share > 0.0
     }
 
     /// The cause where the candidate does not show the nearest surface, `hidden`: that of a trimmed face was taken for cut
@@ -80,16 +133,27 @@ impl Pair<'_, '_> {
     }
 
     /// A pixel that the candidate covers.
-    fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Difference> {
-        let shares = self.judge.evaluation(candidate)?;
+    ///
+    /// How far away it is follows from its own (u, v), whatever distance it states: that is judged last.
+    fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Failed> {
+        self.judge.holds_parameters(candidate).map_err(|(reason, detail)| Failed::Unbounded(reason, detail))?;
+        let Evaluated { shares, radius } = self.judge.evaluation(candidate)?;
         let s = self.judge.surface_point(candidate);
-        let face = candidate.face.0 as usize;
-        let bound_px = self.bound_of_shown(candidate, s);
+        let ray = self.judge.camera.ray(self.judge.viewport, center.x, center.y);
+        let along_ray = |s: DVec3| (s - ray.origin).dot(ray.direction);
+        let stated = candidate;
+        let candidate = &Hit { t: along_ray(s), ..*stated };
+        let reference = reference.map(|r| Hit { t: along_ray(self.judge.surface_point(r)), ..*r });
+        let reference = reference.as_ref();
+        let bound = self.bound_of_shown(candidate, s, radius);
+        self.check_bound(&bound)?;
+        let bound_px = bound.across;
         let at_edge = self.judge.trimming(candidate, center, self.deviation.edge_px)?;
         let shares = Shares { ambiguous: at_edge || shares.ambiguous, ..shares };
         // Along the ray: the chord on either side, what rounding of S itself was, and that of the depths compared.
         let depth = DEPTH_ULPS / (1u64 << 24) as f64 * (candidate.t.abs() + self.judge.size);
-        let slack = 2.0 * self.deviation.model_units(face) + 2.0 * candidate.position.distance(s) + depth;
+        let rounded = candidate.position.distance(s);
+        let slack = 2.0 * self.model_units(candidate) + 2.0 * rounded + depth;
         let in_front = self.judge.camera.depth(s) >= self.judge.camera.near() - slack;
         let picture = self.judge.picture(s).filter(|_| in_front);
         let same = reference.filter(|r| r.face == candidate.face && (r.t - candidate.t).abs() <= slack);
@@ -103,13 +167,27 @@ impl Pair<'_, '_> {
             (Some(a), Some(b)) => a.distance(b),
             _ => f64::INFINITY,
         };
-        let agreement = Agreement { across_px, bound_px, along, shares, edge: None };
+        let whole_bound_px = bound.whole;
+        let agreement = Agreement { across_px, bound_px, whole_bound_px, along, shares, edge: None };
+        // S as the candidate rounded it, and what a renderer loses that subtracts and adds up in f32.
+        let with_distance = || {
+            let (off, allowed) = ((stated.t - candidate.t).abs(), rounded + 2.0 * depth);
+            if off <= allowed {
+                return match shares.unbounded {
+                    None => Ok(Agreement { edge: self.edge(center, stated)?, ..agreement }),
+                    Some(reason) => Err(Failed::Unbounded(reason, reason.label().to_owned())),
+                };
+            }
+            let (is, should) = (stated.t, candidate.t);
+            let detail = format!("t = {is:.9e}, but S is {should:.9e} along the ray; {allowed:.3e} are allowed");
+            Err(Difference::new(Cause::Distance, off / allowed, detail).into())
+        };
         if same.is_some() && across_px <= bound_px {
-            return Ok(agreement);
+            return with_distance();
         }
         if self.exact {
             if across_px > bound_px {
-                return Err(self.misplaced(candidate, center, across_px, bound_px));
+                return Err(self.misplaced(candidate, center, across_px, bound_px).into());
             }
         } else if !self.is_drawn_nearby(center, bound_px, reference, candidate, slack)
             && !self.is_beyond_an_edge(center, bound_px, reference, candidate, s, slack)
@@ -121,17 +199,21 @@ impl Pair<'_, '_> {
                 Some(_) => Cause::Coverage,
             };
             let detail = format!("nothing within {bound_px:.4} px in the reference is like it");
-            return Err(Difference::new(cause, across_px / bound_px, detail));
+            return Err(Difference::new(cause, across_px / bound_px, detail).into());
+        }
+        // The sampler may show more than the reference's buffer does: a hole in that is a difference, too.
+        if reference.is_none() && !self.exact {
+            self.missing(center, candidate)?;
         }
         // Visibility.
-        let hides = |r: &&Hit| r.t < candidate.t - slack - 2.0 * self.deviation.model_units(r.face.0 as usize);
-        let Some(occluder) = reference.filter(hides) else { return Ok(agreement) };
+        let hides = |r: &&Hit| r.t < candidate.t - slack - 2.0 * self.model_units(r);
+        let Some(occluder) = reference.filter(hides) else { return with_distance() };
         let behind = |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack);
         let own = picture.filter(|_| self.exact).is_some_and(|p| behind(self.sampler.first(p.x, p.y)));
-        let bound = bound_px.max(self.bound_at(occluder));
+        let bound = bound_px.max(self.bound_at(occluder).across);
         // Beyond the edge of its triangle a point may fall behind the next one of its face by as much as both are off.
         let behind_own_face = || {
-            let chords = 2.0 * self.deviation.edge_chord[face];
+            let chords = 2.0 * self.edge_chord(candidate);
             !self.exact && occluder.face == candidate.face && candidate.t - occluder.t <= slack + chords
         };
         if own
@@ -139,16 +221,40 @@ impl Pair<'_, '_> {
             || self.passes_by(occluder, center, bound, &behind)
             || behind_own_face()
         {
-            return Ok(agreement);
+            return with_distance();
         }
         let detail =
             format!("shown at t = {:.6}, but face {} at t = {:.6} hides it", candidate.t, occluder.face.0, occluder.t);
-        Err(Difference::new(self.unseen(occluder, Cause::Depth), (candidate.t - occluder.t) / slack, detail))
+        Err(Difference::new(self.unseen(occluder, Cause::Depth), (candidate.t - occluder.t) / slack, detail).into())
     }
 
     /// A pixel that only the reference covers.
-    fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
+    fn absent(&self, center: DVec2, reference: &Hit) -> Result<Agreement, Failed> {
         let bound = self.bound_at(reference);
+        self.check_bound(&bound)?;
+        self.missing(center, reference)?;
+        Ok(Agreement { whole_bound_px: bound.whole, ..Agreement::default() })
+    }
+
+    /// No verdict where a pixel is allowed too much, by what most of it comes of.
+    fn check_bound(&self, bound: &Bound) -> Result<(), Failed> {
+        let (whole, limit) = (bound.whole, self.deviation.limit_px);
+        if whole < limit {
+            return Ok(());
+        }
+        let Bound { chord, attribute, snap, rounding, .. } = *bound;
+        let parts = [(chord, Unbounded::Chord), (attribute, Unbounded::Interpolation), (rounding, Unbounded::Rounding)];
+        let (_, reason) = parts.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).expect("three parts");
+        let detail = format!(
+            "bound {whole:.4} px, where less than {limit:.4} px was asked for: triangles {chord:.4}, \
+             interpolated (u, v) {attribute:.4}, snapping {snap:.4}, rounding of S {rounding:.4}"
+        );
+        Err(Failed::Unbounded(reason, detail))
+    }
+
+    /// Whether a pixel where one shows a hit, given as the reference, and the other nothing, is beside an edge.
+    fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
+        let bound = self.bound_at(reference).across;
         // Two rasterizers may each leave a crack between faces, whose corners are placed in frames of their own.
         let is_edge = |q: Option<Hit>| q.is_none_or(|q| !self.exact && q.face != reference.face);
         if self.near_border(reference, center, bound) || self.passes_by(reference, center, bound, &is_edge) {
@@ -172,29 +278,54 @@ impl Pair<'_, '_> {
         Difference::new(cause, across_px / bound_px, detail)
     }
 
-    fn bound_at(&self, hit: &Hit) -> f64 {
-        self.bound_of(hit.face.0 as usize, hit.position)
+    /// The allowance at what the reference shows.
+    fn bound_at(&self, hit: &Hit) -> Bound {
+        self.bound_of(hit, self.judge.surface_point(hit), 0.0)
     }
 
-    /// The allowance for what a candidate shows at its own parameters, S being there. A bounded face's triangles go on
-    /// beyond the domain's border as a skirt, and the face covers a little more than it is: what they show is the border's
-    /// point, as far from there as the border bulges.
-    fn bound_of_shown(&self, candidate: &Hit, s: DVec3) -> f64 {
-        let bound_px = self.bound_of(candidate.face.0 as usize, s);
+    /// The allowance for what a candidate shows at its own parameters, S being there and known to `radius`. A bounded face's
+    /// triangles go on beyond the domain's border as a skirt, and the face covers a little more than it is: what they show
+    /// is the border's point, as far from there as the border bulges. That is the rule's doing, and not a loose bound.
+    fn bound_of_shown(&self, candidate: &Hit, s: DVec3, radius: f64) -> Bound {
+        let bound = self.bound_of(candidate, s, radius);
         let [[u0, u1], [v0, v1]] = self.judge.model.surface(candidate.face).domain();
         let DVec2 { x: u, y: v } = candidate.uv;
         let is_bounded = self.judge.model.region(candidate.face).is_some();
-        if is_bounded && self.candidate.meta().technique != EXACT && (u == u0 || u == u1 || v == v0 || v == v1) {
-            2.0 * bound_px + SQRT_2 * f64::from(NEAR_PX)
+        if is_bounded && self.deviation.has_skirts && (u == u0 || u == u1 || v == v0 || v == v1) {
+            Bound { across: 2.0 * bound.across + SQRT_2 * f64::from(NEAR_PX), ..bound }
         } else {
-            bound_px
+            bound
         }
     }
 
-    /// The allowance across the ray, in pixels, for a point of a face.
-    fn bound_of(&self, face: usize, position: DVec3) -> f64 {
-        let radius = self.deviation.model_units(face);
-        self.judge.camera.pixels_within(self.judge.viewport, position, radius) + self.deviation.snap_px
+    /// The allowance across the ray for a point of a face that is at `position`, and known to `radius`.
+    fn bound_of(&self, hit: &Hit, position: DVec3, radius: f64) -> Bound {
+        let seen = |radius: f64| self.judge.camera.pixels_within(self.judge.viewport, position, radius);
+        let face = hit.face.0 as usize;
+        let greatest = |of: &dyn Fn(usize) -> f64| self.judge.pieces(hit).map(of).fold(0.0, f64::max);
+        let snap = self.deviation.snap_px;
+        let across = seen(self.model_units(hit)) + snap;
+        Bound {
+            chord: seen(greatest(&|piece| self.deviation.chord_at(face, piece))),
+            attribute: seen(greatest(&|piece| self.deviation.attribute_at(face, piece))),
+            snap,
+            rounding: seen(radius),
+            across,
+            whole: across + seen(radius),
+        }
+    }
+
+    /// The allowance along the ray and across it without snapping, on the Bézier pieces that a hit may belong to, model units.
+    fn model_units(&self, hit: &Hit) -> f64 {
+        let face = hit.face.0 as usize;
+        let of = |piece| self.deviation.chord_at(face, piece) + self.deviation.attribute_at(face, piece);
+        self.judge.pieces(hit).map(of).fold(0.0, f64::max)
+    }
+
+    /// The chord at an edge of the triangles there, model units.
+    fn edge_chord(&self, hit: &Hit) -> f64 {
+        let face = hit.face.0 as usize;
+        self.judge.pieces(hit).map(|piece| self.deviation.edge_chord_at(face, piece)).fold(0.0, f64::max)
     }
 
     /// Whether the reference draws the candidate's point somewhere within the bound: on the rings, or on a dense grid.
@@ -233,8 +364,7 @@ impl Pair<'_, '_> {
         s: DVec3,
         slack: f64,
     ) -> bool {
-        let face = candidate.face.0 as usize;
-        let radius = self.deviation.edge_chord[face] + self.deviation.model_units(face);
+        let radius = self.edge_chord(candidate) + self.model_units(candidate);
         let chord_px = self.judge.camera.pixels_within(self.judge.viewport, s, radius) + self.deviation.snap_px;
         let is_other = |q: Option<Hit>| match (q, reference) {
             (Some(q), Some(r)) => q.face != r.face || (q.t - r.t).abs() > slack,
@@ -310,8 +440,8 @@ impl Pair<'_, '_> {
     /// Whether a border of the hit's face passes within `radius` pixels of a position, or, where loops bound the face, one of
     /// them within [`Deviation::edge_px`], or the near plane cuts it there.
     fn near_border(&self, hit: &Hit, center: DVec2, radius: f64) -> bool {
-        let beyond_near = self.judge.camera.depth(hit.position) - self.judge.camera.near();
-        if beyond_near <= self.deviation.model_units(hit.face.0 as usize) {
+        let beyond_near = self.judge.camera.depth(self.judge.surface_point(hit)) - self.judge.camera.near();
+        if beyond_near <= self.model_units(hit) {
             return true;
         }
         if self.judge.model.region(hit.face).is_some() {
@@ -324,16 +454,14 @@ impl Pair<'_, '_> {
             // Slide along the border to where it is nearest in the picture.
             let mut place = DVec2::new(s, t);
             let along_u = s == u;
-            for _ in 0..4 {
+            for _ in 0..BORDER_STEPS {
                 let d = surface.first_derivatives(place.x, place.y);
-                let tangent = if along_u { d.su } else { d.sv };
-                let (Some(at), Some(next)) = (self.judge.picture(d.s), self.judge.picture(d.s + tangent * 1e-6)) else {
-                    return false;
-                };
+                let Some(at) = self.judge.picture(d.s) else { return false };
                 if at.distance(center) <= radius {
                     return true;
                 }
-                let direction = (next - at) / 1e-6;
+                let tangent = if along_u { d.su } else { d.sv };
+                let direction = self.judge.camera.picture_derivative(self.judge.viewport, d.s, tangent);
                 let step = (center - at).dot(direction) / direction.length_squared();
                 if !step.is_finite() {
                     return false;

@@ -1,20 +1,76 @@
 //! What a comparison found, for people and for machines.
 
-use crate::{Cause, Histograms, Shares};
+use crate::{Cause, Histograms, Shares, Unbounded};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// How many of the worst pixels a report keeps.
 pub(crate) const WORST: usize = 32;
 
-/// The answer for a pair of renderers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// The share of covered pixels that the reference may leave undecided in an agreement.
+pub const UNDECIDED_SHARE: f64 = 1e-3;
+
+/// The share of covered pixels that may have no verdict for want of a bound, unless a scene states another.
+pub const UNBOUNDED_SHARE: f64 = 1e-2;
+
+/// How many of the worst of each cause it keeps at least.
+pub(crate) const WORST_OF_CAUSE: usize = 2;
+
+/// The answer for a pair of renderers. The greater wins where several are put together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Every pixel agrees, but for a share of undecided ones below the limit.
+    /// Every pixel agrees, but for shares without a verdict below their limits.
     Agree,
-    /// Some pixel differs, too many are undecided, or there was nothing to compare.
+    /// No pixel differs, and that says nothing: no pixel was compared, or too many have no verdict.
+    NoVerdict,
+    /// Some pixel differs.
     Differ,
+}
+
+/// What a verdict follows from: covered pixels, by what was found of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// All of them.
+    pub covered: usize,
+    /// Those that differ.
+    pub differing: usize,
+    /// Those that the reference could not decide.
+    pub undecided: usize,
+    /// Those that the candidate has no answer for, where it may say so.
+    pub unanswered: usize,
+    /// Those without a useful bound.
+    pub unbounded: usize,
+}
+
+impl Counts {
+    /// The verdict, and why there is none: shares are of the covered pixels.
+    pub fn verdict(&self, unanswered_share: f64, unbounded_share: f64) -> (Verdict, Option<String>) {
+        if self.differing > 0 {
+            return (Verdict::Differ, None);
+        }
+        if self.covered == 0 {
+            return (Verdict::NoVerdict, Some("neither covers a pixel: nothing was compared".to_owned()));
+        }
+        let limits = [
+            (self.undecided, UNDECIDED_SHARE, "are undecided"),
+            (self.unanswered, unanswered_share, "have no answer"),
+            (self.unbounded, unbounded_share, "have no useful bound, and so no verdict"),
+        ];
+        let judged = self.covered - (self.undecided + self.unanswered + self.unbounded).min(self.covered);
+        if judged == 0 {
+            return (Verdict::NoVerdict, Some(format!("none of {} covered pixels has a verdict", self.covered)));
+        }
+        // A share that is no number allows nothing.
+        let holds = |count: usize, share: f64| count as f64 <= share * self.covered as f64;
+        match limits.into_iter().find(|&(count, share, _)| count > 0 && !holds(count, share)) {
+            None => (Verdict::Agree, None),
+            Some((count, share, what)) => {
+                let text = format!("{count} of {} covered pixels {what}; {:.2} % may", self.covered, 100.0 * share);
+                (Verdict::NoVerdict, Some(text))
+            }
+        }
+    }
 }
 
 /// Pixels by who covers them.
@@ -49,10 +105,12 @@ pub struct PixelReport {
 /// What the comparison says of one pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelVerdict {
-    /// Why it differs; `None` where it agrees.
+    /// Why it differs; `None` where it does not.
     pub cause: Option<Cause>,
     /// The deciding quantity and its bound in words; where it agrees, what was shown.
     pub detail: String,
+    /// Why it has no verdict: then it neither agrees nor differs.
+    pub unbounded: Option<Unbounded>,
     /// What its values use of their intervals, where they lie inside.
     pub shares: Shares,
 }
@@ -105,10 +163,18 @@ pub struct PairReport {
     pub causes: BTreeMap<Cause, usize>,
     /// Pixels by class.
     pub coverage: Coverage,
-    /// Covered pixels with a value that has no useful bound in f32 (a normal at a pole): counted, not judged.
+    /// Covered pixels without a verdict, since something of them has no useful bound (a normal at a pole): they are counted
+    /// here, and neither agree nor differ.
     pub unbounded: usize,
+    /// The same by reason.
+    pub unbounded_causes: BTreeMap<Unbounded, usize>,
     /// The share of the covered pixels that may be so.
     pub unbounded_share: f64,
+    /// The share of the covered pixels for which the candidate may say that it has no answer: they are `causes`, and do not
+    /// differ.
+    pub unanswered_share: f64,
+    /// The least bound with which a pixel has no verdict, pixels.
+    pub limit_px: f64,
     /// Covered pixels where f32 leaves a decision open, so that several answers are right.
     pub ambiguous: usize,
     /// Pixels where the candidate says that it did not converge, whether or not they agree.
@@ -119,7 +185,7 @@ pub struct PairReport {
     pub max_px: f64,
     /// The bound at that pixel, in pixels.
     pub bound_px: f64,
-    /// The largest bound of any covered pixel, in pixels.
+    /// The largest bound of any agreeing pixel with all that belongs to it, rounding of S too, in pixels.
     pub greatest_bound_px: f64,
     /// The candidate's trim edges, where it was asked for them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -140,14 +206,15 @@ pub struct PairReport {
     pub worst: Vec<PixelReport>,
     /// The answer.
     pub verdict: Verdict,
-    /// Why the pair differs where no single pixel does: too many are undecided or unbounded.
+    /// Why there is no verdict, where no pixel differs.
     pub explanation: Option<String>,
 }
 
 impl PairReport {
     /// What a pair of renderers' reports on the samples of a picture, in the samples' order, come to: counts are added up,
     /// so that a pixel counts once for each sample, the greatest values are kept, and each of the worst pixels names its
-    /// sample. It agrees where every sample does by itself. `None` of no reports; a single one is returned as it is.
+    /// sample. It agrees where every sample does by itself that shows anything. `None` of no reports; a single one is returned
+    /// as it is.
     ///
     /// The reports must be of the same two renderers and the same bounds.
     pub fn of_samples(reports: impl IntoIterator<Item = Self>) -> Option<Self> {
@@ -163,6 +230,10 @@ impl PairReport {
 
     /// This report and one of other pixels of the same pair.
     pub(crate) fn with(mut self, other: Self) -> Self {
+        // Where nothing is shown there is nothing to say beside what is said of the rest.
+        if self.covered == 0 || other.covered > 0 && self.verdict < other.verdict {
+            (self.verdict, self.explanation) = (other.verdict, other.explanation);
+        }
         self.covered += other.covered;
         self.agree += other.agree;
         for (cause, count) in other.causes {
@@ -172,6 +243,9 @@ impl PairReport {
         self.coverage.partial += other.coverage.partial;
         self.coverage.none += other.coverage.none;
         self.unbounded += other.unbounded;
+        for (reason, count) in other.unbounded_causes {
+            *self.unbounded_causes.entry(reason).or_default() += count;
+        }
         self.ambiguous += other.ambiguous;
         self.unconverged += other.unconverged;
         if let (Some(own), Some(others)) = (&mut self.identical, other.identical) {
@@ -192,16 +266,28 @@ impl PairReport {
         self.shares.merge(&other.shares);
         self.worst.extend(other.worst);
         keep_worst(&mut self.worst);
-        if other.verdict == Verdict::Differ {
-            self.verdict = Verdict::Differ;
-        }
-        self.explanation = self.explanation.or(other.explanation);
         self
     }
 
-    /// Number of pixels that differ, undecided ones not counted.
+    /// What the verdict follows from.
+    pub fn counts(&self) -> Counts {
+        let of = |cause: Cause| self.causes.get(&cause).copied().unwrap_or(0);
+        let undecided = of(Cause::Undecided);
+        let unanswered = if self.unanswered_share > 0.0 { of(Cause::NewtonNotConverged) } else { 0 };
+        let differing = self.causes.values().sum::<usize>() - undecided - unanswered;
+        Counts { covered: self.covered, differing, undecided, unanswered, unbounded: self.unbounded }
+    }
+
+    /// Number of pixels that differ: those without a verdict are not counted.
     pub fn differing(&self) -> usize {
-        self.causes.iter().filter(|(cause, _)| **cause != Cause::Undecided).map(|(_, n)| n).sum()
+        self.counts().differing
+    }
+
+    /// Pixels without a verdict by reason, the most frequent first.
+    pub fn reasons(&self) -> Vec<(Unbounded, usize)> {
+        let mut reasons: Vec<_> = self.unbounded_causes.iter().map(|(reason, count)| (*reason, *count)).collect();
+        reasons.sort_by_key(|(reason, count)| (std::cmp::Reverse(*count), *reason));
+        reasons
     }
 
     /// The most frequent cause of difference.
@@ -210,9 +296,14 @@ impl PairReport {
     }
 }
 
-/// Sorts worst first (ties by position) and drops the rest.
+/// Sorts worst first (ties by position) and drops the rest, but for the worst two of each cause.
 pub(crate) fn keep_worst(pixels: &mut Vec<PixelReport>) {
     let place = |pixel: &PixelReport| (pixel.y, pixel.x, pixel.sample);
     pixels.sort_by(|a, b| b.excess.total_cmp(&a.excess).then(place(a).cmp(&place(b))));
-    pixels.truncate(WORST);
+    let (mut place, mut of_cause) = (0, BTreeMap::<Cause, usize>::new());
+    pixels.retain(|pixel| {
+        let seen = of_cause.entry(pixel.cause).or_default();
+        (place, *seen) = (place + 1, *seen + 1);
+        place <= WORST || *seen <= WORST_OF_CAUSE
+    });
 }

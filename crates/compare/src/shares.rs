@@ -1,5 +1,6 @@
 //! How much of their intervals the values of a candidate use.
 
+use crate::Unbounded;
 use serde::Serialize;
 
 /// Bins of a histogram over 0 … 1.
@@ -14,8 +15,8 @@ pub struct Shares {
     pub normal: Option<f64>,
     /// Of k1 and k2; `None` where they have no bound, or were not returned.
     pub curvature: Option<f64>,
-    /// Whether a value was returned that has no bound.
-    pub unbounded: bool,
+    /// The value that was returned and has no bound.
+    pub unbounded: Option<Unbounded>,
     /// Whether f32 leaves a decision open there: on which span the parameters lie, or whether there is a normal.
     pub ambiguous: bool,
 }

@@ -1,15 +1,9 @@
 //! The pixels of two buffers, added up.
 
+use crate::Histograms;
 use crate::judge::Difference;
-use crate::pair::Pair;
+use crate::pair::{Finding, Pair};
 use crate::report::{Coverage, Edges, Identical, PairReport, PixelReport, Verdict, WORST, keep_worst};
-use crate::{Cause, Histograms};
-
-/// The share of covered pixels that may stay undecided in an agreement.
-pub const UNDECIDED_SHARE: f64 = 1e-3;
-
-/// The share of covered pixels that may have a value without a bound, unless a scene states another.
-pub const UNBOUNDED_SHARE: f64 = 1e-2;
 
 /// Running sums of a comparison.
 pub(crate) struct Tally {
@@ -26,7 +20,10 @@ impl Tally {
             causes: Default::default(),
             coverage: Coverage::default(),
             unbounded: 0,
+            unbounded_causes: Default::default(),
             unbounded_share: pair.judge.unbounded_share,
+            unanswered_share: pair.deviation.unanswered_share,
+            limit_px: pair.deviation.limit_px,
             ambiguous: 0,
             unconverged: 0,
             identical: (!pair.exact).then(Identical::default),
@@ -41,7 +38,7 @@ impl Tally {
             shares: Histograms::default(),
             bounds: pair.deviation.text.clone(),
             worst: vec![],
-            verdict: Verdict::Differ,
+            verdict: Verdict::NoVerdict,
             explanation: None,
         };
         Self { report }
@@ -65,16 +62,19 @@ impl Tally {
         };
         *class += 1;
         match pair.pixel(x, y) {
-            Ok(None) => {}
-            Ok(Some(found)) => {
+            Finding::Uncovered => {}
+            Finding::Unbounded(reason, _) => {
+                report.unbounded += 1;
+                *report.unbounded_causes.entry(reason).or_default() += 1;
+            }
+            Finding::Agrees(found) => {
                 report.agree += 1;
-                report.unbounded += usize::from(found.shares.unbounded);
                 report.ambiguous += usize::from(found.shares.ambiguous);
                 report.shares.add(&found.shares);
                 if found.across_px.is_finite() && found.across_px > report.max_px && found.across_px <= found.bound_px {
                     (report.max_px, report.bound_px) = (found.across_px, found.bound_px);
                 }
-                report.greatest_bound_px = report.greatest_bound_px.max(found.bound_px);
+                report.greatest_bound_px = report.greatest_bound_px.max(found.whole_bound_px);
                 if let (Some(edges), Some(edge)) = (&mut report.edges, found.edge) {
                     edges.merge(&Edges {
                         recorded: 1,
@@ -91,7 +91,7 @@ impl Tally {
                 report.curvature_share =
                     found.shares.curvature.map_or(report.curvature_share, |share| share.max(report.curvature_share));
             }
-            Err(Difference { cause, excess, detail }) => {
+            Finding::Differs(Difference { cause, excess, detail }) => {
                 *report.causes.entry(cause).or_default() += 1;
                 report.worst.push(PixelReport { x, y, sample: None, cause, excess, detail });
                 if report.worst.len() > 4 * WORST {
@@ -108,18 +108,8 @@ impl Tally {
     pub fn finished(mut self) -> PairReport {
         let report = &mut self.report;
         keep_worst(&mut report.worst);
-        let undecided = report.causes.get(&Cause::Undecided).copied().unwrap_or(0);
-        let limits = [
-            (undecided, UNDECIDED_SHARE, "are undecided"),
-            (report.unbounded, report.unbounded_share, "have a value without a bound in f32"),
-        ];
-        let exceeded = limits.into_iter().find(|&(count, share, _)| count as f64 > share * report.covered as f64);
-        report.explanation = exceeded.map(|(count, share, what)| {
-            format!("{count} of {} covered pixels {what}; {:.2} % may", report.covered, 100.0 * share)
-        });
-        if report.differing() == 0 && report.explanation.is_none() {
-            report.verdict = Verdict::Agree;
-        }
+        let counts = report.counts();
+        (report.verdict, report.explanation) = counts.verdict(report.unanswered_share, report.unbounded_share);
         self.report
     }
 }

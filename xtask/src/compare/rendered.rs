@@ -1,6 +1,6 @@
 //! `compare MODEL`: renders every sample of a picture by all three, and judges it.
 
-use super::{CompareArgs, answer, pictures::Pictures, table};
+use super::{CompareArgs, answer, exit_code, pictures::Pictures, table};
 use crate::antialias::{Antialias, SampleReport};
 use crate::masks::MaskReport;
 use crate::stage::{Plan, Rendered, ShadedReport, Stage};
@@ -87,13 +87,12 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
     let mut pictures = found.remove(0).pictures;
     rest.into_iter().for_each(|sample| pictures.add_sample(sample.pictures));
     answer(args, &report, &pictures, || table::print(&report))?;
-    let agree = pairs.iter().all(|pair| pair.verdict == Verdict::Agree)
-        && report.shaded.as_ref().is_none_or(|shaded| shaded.verdict == Verdict::Agree);
-    Ok(match (&gpu, agree) {
-        (Err(_), _) => ExitCode::from(2),
-        (Ok(_), true) => ExitCode::SUCCESS,
-        (Ok(_), false) => ExitCode::from(1),
-    })
+    let differs = report.shaded.as_ref().is_some_and(|shaded| shaded.verdict == Verdict::Differ);
+    Ok(ExitCode::from(match (&gpu, differs) {
+        (Err(_), _) => 2,
+        (Ok(_), true) => 1,
+        (Ok(_), false) => exit_code(&pairs),
+    }))
 }
 
 /// Renders and judges the samples, in the pattern's order; there is at least one. One renderer on the GPU draws all.

@@ -1,20 +1,21 @@
 //! `compare A.npz [B.npz]`: saved G-buffers, of our renderers or of foreign ones, against the ray caster and each other.
 //!
-//! The file says what it shows (model and its hash, camera, size) and how it was drawn (technique); what it is granted
-//! is the caller's to say, so a file cannot excuse itself.
+//! The file says what it shows (model and its hash, camera, size) and how it was drawn (technique, trims). What it says of
+//! itself can make its judge stricter, never milder: a technique and trims that allow more are the caller's to allow, the
+//! reference is always cast here and now, and pixels marked undecided are judged like any.
 
-use super::{CompareArgs, answer, pictures::Pictures, table};
+use super::{CompareArgs, answer, exit_code, pictures::Pictures, table};
 use crate::antialias::Antialias;
-use crate::masks::TrimGrant;
 use crate::say;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
+use crate::text::escaped;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
-use compare::{Deviation, Judge, PairReport, Verdict};
+use compare::{Deviation, Judge, PairReport};
 use gbuffer::{GBuffer, Meta, Trims};
-use pipeline::PackedScene;
 use pipeline::mask::{MaskOptions, MaskPlan, MaskQuality, Trimming};
+use pipeline::{PackedScene, Technique};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 use serde::{Deserialize, Serialize};
@@ -22,8 +23,11 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What the ray caster calls itself in a G-buffer.
+/// What the ray caster calls itself in a G-buffer. A file of that name is judged like any, under [`SAVED_RAYCAST`].
 const RAYCAST: &str = "raycast";
+
+/// What a file is called that says it is the ray caster's: the reference is cast anew.
+const SAVED_RAYCAST: &str = "raycast (saved)";
 
 /// The longest name of a renderer, characters.
 const MAX_NAME: usize = 64;
@@ -45,8 +49,6 @@ pub struct SavedFile {
 /// Who drew a buffer, as far as the judge need know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Origin {
-    /// Our ray caster: the reference.
-    Raycast,
     /// One of our rasterizers, whose triangles can be made again.
     Twin,
     /// Someone else.
@@ -67,9 +69,9 @@ pub struct Saved {
 
 /// A comparison of saved files.
 pub struct SavedComparison {
-    /// The reference that was cast, where no file was one.
-    pub cast: Option<GBuffer>,
-    /// Each candidate against the ray caster, then the second against the first.
+    /// The reference.
+    pub cast: GBuffer,
+    /// Each file against the reference, then the second against the first.
     pub pairs: Vec<PairReport>,
 }
 
@@ -88,7 +90,6 @@ impl SavedFile {
         }
         let camera = Camera::deserialize(&meta.camera).with_context(|| format!("{}: meta's camera", place()))?;
         let origin = match (name.as_str(), meta.technique.as_str()) {
-            (RAYCAST, "rays") => Origin::Raycast,
             ("raster" | "gpu", "fragment") => Origin::Twin,
             _ => Origin::Foreign,
         };
@@ -97,7 +98,8 @@ impl SavedFile {
         {
             bail!("{}: meta's trims: an error of masks of {error_px} px: it must be positive", place());
         }
-        let meta = Meta { camera: json!(camera), ..meta.clone() };
+        let renderer = if name == RAYCAST { SAVED_RAYCAST.to_owned() } else { name.clone() };
+        let meta = Meta { camera: json!(camera), renderer, ..meta.clone() };
         Ok(Self { path: path.to_owned(), buffer: buffer.with_meta(meta), camera, origin })
     }
 
@@ -131,39 +133,35 @@ impl SavedFile {
     /// The plan with the trims that the file has.
     ///
     /// # Errors
-    /// Where that is not what the caller says, or more than is granted.
-    fn trimmed(&self, plan: Plan, grant: TrimGrant) -> Result<Plan> {
-        let trims = self.buffer.meta().trims;
-        let is_masked = trims != Trims::Exact;
-        if grant.masked.is_some_and(|masked| masked != is_masked) {
-            let [own, flag] = [is_masked, !is_masked].map(|masked| if masked { "masks" } else { "exact trims" });
-            bail!(
-                "{}: its meta says {own}, and --trim {flag}: leave --trim out, or mend meta's \"trims\"",
+    /// Where they are masks, and `masks_px` allows none or none as coarse.
+    fn trimmed(&self, plan: Plan, masks_px: Option<f64>) -> Result<Plan> {
+        let trim = match (self.buffer.meta().trims, masks_px) {
+            (Trims::Exact, _) => Trimming::Exact,
+            (Trims::Masks { error_px }, None) => bail!(
+                "{}: its meta says that masks trim it, off by up to {error_px} px: --trim texture allows masks",
                 self.place()
-            );
-        }
-        let trim = match trims {
-            Trims::Exact => Trimming::Exact,
-            Trims::Masks { error_px } if error_px > grant.mask_px => bail!(
-                "{}: its masks may be off by {error_px} px, above the {} px that are granted: --mask-px grants more",
-                self.place(),
-                grant.mask_px
             ),
-            Trims::Masks { error_px: px } => {
+            (Trims::Masks { error_px }, Some(allowed)) if error_px > allowed => bail!(
+                "{}: its masks may be off by {error_px} px, above the {allowed} px that are allowed: --mask-px allows more",
+                self.place()
+            ),
+            (Trims::Masks { error_px: px }, Some(_)) => {
                 Trimming::Texture(MaskOptions { quality: MaskQuality::Error { px }, ..MaskOptions::default() })
             }
         };
         Ok(Plan { trim, ..plan })
     }
 
-    /// What this renderer is granted against the surface itself; `twins` is the stage of our own rasterizers.
+    /// What this renderer is allowed against the surface itself; `twins` is the stage of our own rasterizers. By the plan's
+    /// technique `exact` nobody is allowed a chord, whatever the file says.
     fn deviation(&self, saved: &Saved, plan: Plan, twins: Option<&Stage>) -> Result<Deviation> {
         let Saved { model, camera, viewport, .. } = saved;
         let meta = self.buffer.meta();
         let deviation = match (meta.technique.as_str(), twins.filter(|_| self.origin == Origin::Twin)) {
-            ("fragment", Some(stage)) => Deviation::of_proxy(&stage.interpolation, &stage.proxy.chord),
+            ("fragment", _) if plan.technique == Technique::Exact => Deviation::exact(),
+            ("fragment", Some(stage)) => Deviation::of_proxy(&stage.interpolation, &stage.chord(), plan.chord_px),
             ("fragment", None) => Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px),
-            ("exact" | "rays", _) => Deviation::exact(model),
+            ("exact" | "rays", _) => Deviation::exact(),
             (other, _) => bail!("{}: meta's technique {other:?} is none of fragment, exact, rays", self.place()),
         };
         Ok(match meta.trims {
@@ -231,28 +229,21 @@ impl Saved {
         Ok(Self { model, camera, viewport, files })
     }
 
-    /// Judges each candidate against the ray caster, whose buffer is one of the files or is cast now, and the second
-    /// candidate against the first.
+    /// Judges each file against rays that are cast now, and the second against the first.
     ///
-    /// Flat triangles are granted the plan's chord error. Where both candidates are our own rasterizers', drawn by this
-    /// very plan, they are compared as the twins that they are: of the same triangles. Trims are those that each file says,
-    /// within what is granted.
+    /// Flat triangles are allowed the plan's chord error. Where both files are our own rasterizers', drawn by this
+    /// very plan, they are compared as the twins that they are: of the same triangles. Trims are exact, or masks where
+    /// `masks_px` allows them: as coarse as the file says, at most as coarse as that, pixels.
     ///
     /// # Errors
-    /// Where a file's trims are not those granted, the chord error is not positive, a technique is unknown, or there is nothing to
-    /// compare.
-    pub fn compare(&self, plan: Plan, grant: TrimGrant) -> Result<SavedComparison> {
+    /// Where a file's trims are not allowed, the chord error is not positive, or a technique is unknown.
+    pub fn compare(&self, plan: Plan, masks_px: Option<f64>) -> Result<SavedComparison> {
         if plan.chord_px <= 0.0 || !plan.chord_px.is_finite() {
             bail!("a chord error of {} pixels: it must be positive", plan.chord_px);
         }
-        let given = self.files.iter().position(|file| file.origin == Origin::Raycast);
-        let others = self.files.iter().enumerate().filter(|(i, _)| Some(*i) != given);
-        let candidates: Vec<&SavedFile> = others.map(|(_, file)| file).collect();
-        if candidates.is_empty() {
-            bail!("{}: it is the ray caster's own, and there is no other to judge", self.files[0].place());
-        }
-        let plans: Vec<Plan> = candidates.iter().map(|file| file.trimmed(plan, grant)).collect::<Result<_>>()?;
-        let twins: Vec<Plan> = candidates
+        let plans: Vec<Plan> = self.files.iter().map(|file| file.trimmed(plan, masks_px)).collect::<Result<_>>()?;
+        let twins: Vec<Plan> = self
+            .files
             .iter()
             .zip(&plans)
             .filter(|(file, _)| file.origin == Origin::Twin)
@@ -260,15 +251,12 @@ impl Saved {
             .collect();
         let stage = twins.first().map(|&plan| Stage::new(&self.model, self.camera, self.viewport, plan)).transpose()?;
         let deviations: Vec<Deviation> =
-            candidates.iter().map(|file| file.deviation(self, plan, stage.as_ref())).collect::<Result<_>>()?;
+            self.files.iter().map(|file| file.deviation(self, plan, stage.as_ref())).collect::<Result<_>>()?;
         let caster = Caster::new(&self.model);
-        let cast = given.is_none().then(|| {
-            let bar = terminal::progress(RAYCAST, self.viewport.height());
-            caster.render(&self.camera, self.viewport, &|rows| bar.inc(rows as u64))
-        });
-        let reference = cast.as_ref().unwrap_or_else(|| &self.files[given.expect("none was cast")].buffer);
+        let bar = terminal::progress(RAYCAST, self.viewport.height());
+        let cast = caster.render(&self.camera, self.viewport, &|rows| bar.inc(rows as u64));
         let rays = Rays { caster: &caster, camera: self.camera, viewport: self.viewport };
-        let scenes: Vec<PackedScene> = plans.iter().map(|plan| self.granted(plan)).collect::<Result<_>>()?;
+        let scenes: Vec<PackedScene> = plans.iter().map(|plan| self.as_read(plan)).collect::<Result<_>>()?;
         let pair = |a: &GBuffer, b: &GBuffer, deviation: &Deviation, exact: bool, scene| -> Result<PairReport> {
             let judge = Judge::new(&self.model, &self.camera, self.viewport, scene);
             let judge = judge.with_unbounded_share(plan.unbounded_share);
@@ -277,10 +265,10 @@ impl Saved {
             Ok(judge.pair(a, &rays, b, deviation, exact, &|rows| bar.inc(rows as u64))?)
         };
         let mut pairs = vec![];
-        for ((file, deviation), scene) in candidates.iter().zip(&deviations).zip(&scenes) {
-            pairs.push(pair(reference, &file.buffer, deviation, true, scene)?);
+        for ((file, deviation), scene) in self.files.iter().zip(&deviations).zip(&scenes) {
+            pairs.push(pair(&cast, &file.buffer, deviation, true, scene)?);
         }
-        if let ([a, b], [of_a, of_b]) = (&candidates[..], &deviations[..]) {
+        if let ([a, b], [of_a, of_b]) = (&self.files[..], &deviations[..]) {
             pairs.push(match &stage {
                 Some(stage) if twins.len() == 2 && twins[0] == twins[1] => {
                     stage.against_raster(&a.buffer, &b.buffer)?
@@ -301,8 +289,8 @@ impl Saved {
 
 impl Saved {
     /// The model as a candidate's program reads it, its edges in the bands of the masks that it says it has. These are not
-    /// drawn, and granted no more than they claim: a file's claim takes no memory.
-    fn granted(&self, plan: &Plan) -> Result<PackedScene> {
+    /// drawn, so that a file's claim takes no memory.
+    fn as_read(&self, plan: &Plan) -> Result<PackedScene> {
         let mut scene = PackedScene::new(&self.model, plan.scheme)?;
         if let Trimming::Texture(options) = plan.trim
             && let MaskQuality::Error { px } = options.quality
@@ -345,9 +333,9 @@ struct Report<'a> {
     model_hash: String,
     size: [usize; 2],
     files: Vec<FileReport<'a>>,
-    /// Whether rays were cast now, since no file was the ray caster's.
-    rays_cast: bool,
-    /// What flat triangles were granted, pixels.
+    /// Who looks, as the files say.
+    camera: &'a Camera,
+    /// What flat triangles were allowed, pixels.
     chord_px: f64,
     pairs: &'a [PairReport],
     /// Pixels that the ray caster could not decide.
@@ -376,23 +364,21 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
     let paths: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
     let saved = Saved::open(&paths, args.of_model.as_deref())?;
     let plan = args.drawing.plan();
-    let SavedComparison { cast, pairs } = saved.compare(plan, args.drawing.trim.grant())?;
-    let buffers: Vec<&GBuffer> = cast.iter().chain(saved.files.iter().map(|file| &file.buffer)).collect();
-    let reference = buffers.iter().find(|buffer| buffer.meta().renderer == pairs[0].reference);
+    let SavedComparison { cast, pairs } = saved.compare(plan, args.drawing.trim.masks_px())?;
+    let buffers: Vec<&GBuffer> = std::iter::once(&cast).chain(saved.files.iter().map(|file| &file.buffer)).collect();
     let report = Report {
         model: saved.model.name(),
         model_hash: saved.model.hash(),
         size: [saved.viewport.width(), saved.viewport.height()],
         files: saved.files.iter().map(FileReport::new).collect(),
-        rays_cast: cast.is_some(),
+        camera: &saved.camera,
         chord_px: plan.chord_px,
         pairs: &pairs,
-        undecided: reference.map_or(0, |buffer| buffer.undecided()),
+        undecided: cast.undecided(),
     };
     let pictures = Pictures::new(&saved.model, &saved.camera, &buffers, &args.shade.shading())?;
     answer(args, &report, &pictures, || print(&report))?;
-    let agree = pairs.iter().all(|pair| pair.verdict == Verdict::Agree);
-    Ok(if agree { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(ExitCode::from(exit_code(&pairs)))
 }
 
 impl<'a> FileReport<'a> {
@@ -411,14 +397,15 @@ impl<'a> FileReport<'a> {
 }
 
 fn print(report: &Report) -> Result<()> {
-    say!("{}, {}x{}", report.model, report.size[0], report.size[1])?;
+    say!("{}, {}x{}", escaped(report.model), report.size[0], report.size[1])?;
     for FileReport { file, renderer, technique, adapter, version, covered, .. } in &report.files {
         let adapter = adapter.map_or(String::new(), |name| format!(" on {name:?}"));
+        let [file, renderer, technique] = [file.as_str(), renderer, technique].map(escaped);
         say!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered")?;
     }
     table::pairs(report.pairs)?;
     if report.undecided > 0 {
         say!("the ray caster left {} pixels undecided", report.undecided)?;
     }
-    Ok(())
+    say!("{}", table::verdict(report.pairs, None, 0))
 }

@@ -5,11 +5,9 @@ use super::corpus::{CaseKey, Corpus, PlannedCase};
 use super::report::{Case, Outcome, Pair, Report, Subject};
 use super::run::CPU;
 use anyhow::{Context, Result, bail, ensure};
-use compare::UNDECIDED_SHARE;
+use compare::{Cause, Counts, UNANSWERED_SHARE, Verdict};
+use pipeline::Technique;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// What `causes` calls pixels that the reference could not decide: they count against a limit of their own.
-const UNDECIDED: &str = "undecided";
 
 /// How a picture begins: nothing else may stand in the page.
 const PICTURE: &str = "data:image/png;base64,";
@@ -76,12 +74,18 @@ fn check_case(report: &Report, case: &Case, planned: &PlannedCase, unbounded_sha
         let Some(subject) = subject.filter(|_| once.insert(&outcome.subject)) else {
             bail!("{} is not a subject, or there twice", outcome.subject);
         };
-        check_outcome(outcome, subject, pixels, unbounded_share)?;
+        check_outcome(outcome, subject, pixels, &case.key.technique, unbounded_share)?;
     }
     Ok(())
 }
 
-fn check_outcome(outcome: &Outcome, subject: &Subject, pixels: usize, unbounded_share: f64) -> Result<()> {
+fn check_outcome(
+    outcome: &Outcome,
+    subject: &Subject,
+    pixels: usize,
+    technique: &str,
+    unbounded_share: f64,
+) -> Result<()> {
     check_picture(&outcome.picture)?;
     let expected: &[[&str; 2]] = match subject.kind.as_str() {
         "cpu" => &[["raycast", "raster"]],
@@ -96,14 +100,14 @@ fn check_outcome(outcome: &Outcome, subject: &Subject, pixels: usize, unbounded_
         subject.name
     );
     for pair in &outcome.pairs {
-        check_pair(pair, pixels, unbounded_share)
+        check_pair(pair, pixels, technique, unbounded_share)
             .with_context(|| format!("{} | {}", pair.reference, pair.candidate))?;
     }
     Ok(())
 }
 
 /// The counts of a pair do not contradict each other, and allow its verdict.
-fn check_pair(pair: &Pair, pixels: usize, unbounded_share: f64) -> Result<()> {
+fn check_pair(pair: &Pair, pixels: usize, technique: &str, unbounded_share: f64) -> Result<()> {
     check_picture(&pair.difference)?;
     let [full, partial, none] = pair.coverage;
     let sum = |counts: &mut dyn Iterator<Item = usize>| counts.fold(0, usize::saturating_add);
@@ -116,25 +120,24 @@ fn check_pair(pair: &Pair, pixels: usize, unbounded_share: f64) -> Result<()> {
     ] {
         ensure!(count <= most, "{count} pixels are {what}, of {most}");
     }
-    let undecided = pair.causes.get(UNDECIDED).copied().unwrap_or(0);
-    let differing = sum(&mut pair.causes.iter().filter(|(cause, _)| *cause != UNDECIDED).map(|(_, count)| *count));
+    let undecided = pair.causes.get(Cause::Undecided.label()).copied().unwrap_or(0);
+    let unconverged = pair.causes.get(Cause::NewtonNotConverged.label()).copied().unwrap_or(0);
+    ensure!(pair.unanswered <= unconverged, "{} pixels have no answer, of {unconverged}", pair.unanswered);
+    let counted = sum(&mut pair.causes.values().copied());
+    let differing = counted.saturating_sub(undecided).saturating_sub(pair.unanswered);
     ensure!(differing == pair.differing, "{} pixels differ, by causes {differing}", pair.differing);
-    let counted = differing.saturating_add(undecided);
+    let reasons = sum(&mut pair.unbounded_causes.values().copied());
+    ensure!(reasons == pair.unbounded, "{} pixels have no bound, by reasons {reasons}", pair.unbounded);
     ensure!(counted <= pixels, "{counted} pixels differ or are undecided, of {pixels}");
     ensure!(pair.worst.len() <= counted, "{} pixels are listed, of {counted}", pair.worst.len());
     if pair.agree {
-        ensure!(differing == 0, "it says that all agree, and {differing} pixels differ");
-        ensure!(pair.covered > 0, "it says that all agree, and nobody covers a pixel");
-        for (what, count, share) in
-            [("undecided", undecided, UNDECIDED_SHARE), ("without a bound", pair.unbounded, unbounded_share)]
-        {
-            ensure!(
-                count as f64 <= share * pair.covered as f64,
-                "it says that all agree, and {count} of {} pixels are {what}; {:.2} % may be",
-                pair.covered,
-                100.0 * share
-            );
-        }
+        let Pair { covered, unanswered, unbounded, .. } = *pair;
+        let counts = Counts { covered, differing, undecided, unanswered, unbounded };
+        // Only a search for roots may be without an answer here and there.
+        let unanswered_share = if technique == Technique::Exact.name() { UNANSWERED_SHARE } else { 0.0 };
+        let (verdict, why) = counts.verdict(unanswered_share, unbounded_share);
+        let why = why.unwrap_or_else(|| format!("{differing} pixels differ"));
+        ensure!(verdict == Verdict::Agree, "it says that all agree, and by its counts: {why}");
         ensure!(pair.reasons.is_empty(), "it says that all agree, and why not: {}", pair.reasons.join(", "));
         if let [Some(off), Some(bound)] = pair.across_px {
             ensure!(off <= bound, "it says that all agree, and a point is {off} px off, of {bound}");

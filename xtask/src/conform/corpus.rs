@@ -33,8 +33,8 @@ pub struct Scene {
     pub model: &'static str,
     /// From where; the smoke suite takes the first.
     pub viewpoints: &'static [Viewpoint],
-    /// The largest share of covered pixels whose normal may have no bound in f32: more than 0 at poles, and where knots
-    /// lie nearer to each other than f32 can tell.
+    /// The largest share of covered pixels that may have no verdict for want of a bound: more than 0 at poles, and where
+    /// knots lie nearer to each other than f32 can tell.
     pub unbounded_share: f64,
     /// Why technique `exact` does not draw it, where it cannot.
     pub beyond_exact: Option<&'static str>,
@@ -102,10 +102,10 @@ use Suite::{Full, Smoke, Standard};
 
 /// Every scene, in the order in which they run; a shard takes every N-th.
 pub const SCENES: &[Scene] = &[
-    allowing(0.02, scene("pole", "sphere", FROM_ABOVE, Smoke, "a rational sphere: a pole at each end")),
-    allowing(0.02, scene("collapsed-sides", "lens", ALL_ROUND, Smoke, "two sides collapsed to points")),
-    allowing(0.02, scene("collapsed-side", "petal", ALL_ROUND, Standard, "one side collapsed to a point")),
-    allowing(0.02, scene("apex", "cone", ALL_ROUND, Standard, "a cone: no limit of the normal at its tip")),
+    allowing(0.01, scene("pole", "sphere", FROM_ABOVE, Smoke, "a rational sphere: a pole at each end")),
+    allowing(0.01, scene("collapsed-sides", "lens", ALL_ROUND, Smoke, "two sides collapsed to points")),
+    allowing(0.01, scene("collapsed-side", "petal", ALL_ROUND, Standard, "one side collapsed to a point")),
+    allowing(0.01, scene("apex", "cone", ALL_ROUND, Standard, "a cone: no limit of the normal at its tip")),
     scene("repeated-knots", "surface", ALL_ROUND, Smoke, "double and triple interior knots"),
     scene("crease", "crease", ALL_ROUND, Smoke, "knots of full multiplicity: the normal jumps across a ridge"),
     scene("folds-degree-1x4", "bilinear-quartic", ALL_ROUND, Standard, "a pleated fan, sharp at every knot"),
@@ -128,14 +128,13 @@ pub const SCENES: &[Scene] = &[
     scene("weights", "rational", ALL_ROUND, Standard, "weights from 0.5 to 2 over multiple knots"),
     scene("offset-1e6", "far", ALL_ROUND, Smoke, "a unit surface a million units from the origin"),
     scene("coordinates-1e9", "huge", ALL_ROUND, Standard, "coordinates up to a thousand million"),
-    // A span below the resolution of f32 leaves the derivatives of its neighbours without a bound as well.
     beyond_exact(
         "parameters of f32 tell no two places of such a span apart, so none lies within 1/100 pixel of a given ray",
-        allowing(0.35, scene("tiny-spans", "tiny-spans", ALL_ROUND, Smoke, "knot spans down to 1e-8 of the domain")),
+        allowing(0.01, scene("tiny-spans", "tiny-spans", ALL_ROUND, Smoke, "knot spans down to 1e-8 of the domain")),
     ),
     scene("near-tangent", "surface", LOW, Smoke, "views nearly along the surface"),
     allowing(
-        0.02,
+        0.01,
         scene("near-tangent-dish", "dish", LOW, Standard, "a bowl seen from its edge; a pole in its middle"),
     ),
     scene("silhouette", "fold", ALL_ROUND, Smoke, "a sheet that folds over and cuts itself"),
@@ -145,16 +144,16 @@ pub const SCENES: &[Scene] = &[
     scene("conic-hyperbola", "hyperboloid", HOLLOW, Standard, "a hyperbola of weights above 1, turned"),
     scene("knots-unclamped", "unclamped", ALL_ROUND, Smoke, "knots not repeated at the ends"),
     scene("knots-unclamped-rational", "unclamped-rational", ALL_ROUND, Standard, "the same, rational, degree 4 x 3"),
-    allowing(0.02, scene("patches-teapot", "teapot", ALL_ROUND, Smoke, "32 patches whose borders must not gape")),
+    allowing(0.01, scene("patches-teapot", "teapot", ALL_ROUND, Smoke, "32 patches whose borders must not gape")),
     scene("patches-teacup", "teacup", HOLLOW, Standard, "26 patches, y up"),
     allowing(
-        0.02,
+        0.01,
         scene("patches-teaspoon", "teaspoon", ALL_ROUND, Standard, "thin: front and back are near each other"),
     ),
     scene("patches-266", "spray", ALL_ROUND, Full, "266 surfaces in front of each other"),
     scene("trim-many-holes", "plate", ALL_ROUND, Standard, "100 round holes, a pixel wide or so, in a bent plate"),
     scene("trim-across-seam", "window", HOLLOW, Smoke, "holes across a cylinder's seam, edges beyond the domain"),
-    allowing(0.02, scene("trim-over-pole", "cap", ALL_ROUND, Standard, "edges round one pole and into the other")),
+    allowing(0.01, scene("trim-over-pole", "cap", ALL_ROUND, Standard, "edges round one pole and into the other")),
     scene("trim-nested-islands", "islands", FROM_ABOVE, Smoke, "an island in a hole, and a hole in the island"),
     scene("trim-cusp", "cusp", FROM_ABOVE, Standard, "edges that turn back on themselves in a cusp"),
     scene("trim-sliver", "sliver", FROM_ABOVE, Standard, "material 1e-4 of the domain wide, far below a pixel"),
@@ -256,7 +255,7 @@ pub struct SceneInfo {
     pub model: String,
     /// What it stresses.
     pub stresses: String,
-    /// The share of covered pixels that may have no bound.
+    /// The share of covered pixels that may have no verdict for want of a bound.
     pub unbounded_share: f64,
 }
 

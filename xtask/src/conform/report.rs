@@ -154,8 +154,12 @@ pub struct Pair {
     pub differing: usize,
     /// Differing and undecided pixels by cause.
     pub causes: BTreeMap<String, usize>,
-    /// Covered pixels whose normal has no bound.
+    /// Covered pixels without a verdict for want of a bound.
     pub unbounded: usize,
+    /// The same by reason.
+    pub unbounded_causes: BTreeMap<String, usize>,
+    /// Pixels among `causes` for which the candidate says that it has no answer, as a few may: they do not differ.
+    pub unanswered: usize,
     /// Pixels where f32 leaves a decision open.
     pub ambiguous: usize,
     /// Pixels in which the candidate's search for a root did not converge.
@@ -164,7 +168,7 @@ pub struct Pair {
     pub coverage: [usize; 3],
     /// The largest distance across the ray, pixels, and the bound there; none where it is infinite.
     pub across_px: [Option<f64>; 2],
-    /// The largest bound of any covered pixel, pixels; none where a pixel has no bound.
+    /// The largest bound of any agreeing pixel with all that belongs to it, pixels.
     pub greatest_bound_px: Option<f64>,
     /// Budget of the position, the normal and the curvatures.
     pub position: Budget,
@@ -274,6 +278,8 @@ impl Pair {
             differing: found.differing(),
             causes: found.causes.iter().map(|(cause, count)| (cause.label().to_owned(), *count)).collect(),
             unbounded: found.unbounded,
+            unbounded_causes: found.reasons().into_iter().map(|(why, count)| (why.label().to_owned(), count)).collect(),
+            unanswered: found.counts().unanswered,
             ambiguous: found.ambiguous,
             unconverged: found.unconverged,
             coverage: [found.coverage.full, found.coverage.partial, found.coverage.none],

@@ -3,7 +3,7 @@
 use super::report::{Outcome, Report, State, Subject};
 use crate::text::escaped;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets::UTF8_FULL_CONDENSED};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Missing cases that are named.
@@ -56,10 +56,8 @@ pub fn text(report: &Report) -> String {
         for (key, reason) in differences(report, subject) {
             let _ = writeln!(out, "  {}: {}", escaped(&key), escaped(&reason));
         }
-        let loose = loose(report, subject);
-        if !loose.is_empty() {
-            let scenes = loose.into_iter().collect::<Vec<_>>().join(", ");
-            let _ = writeln!(out, "  no bound across for some pixels, whose triangles may reach the eye: {scenes}");
+        for (reason, count) in without_verdict(report, subject) {
+            let _ = writeln!(out, "  {count} pixels without a verdict: {}", escaped(reason));
         }
         let missing = report.missing(&subject.id);
         if let Some(why) = &subject.failure {
@@ -179,11 +177,14 @@ fn differences(report: &Report, subject: &Subject) -> Vec<(String, String)> {
     found
 }
 
-/// The scenes in which some pixel's place in the picture has no bound: what agrees there says little.
-fn loose<'a>(report: &'a Report, subject: &'a Subject) -> BTreeSet<&'a str> {
-    let is_loose = |outcome: &Outcome| outcome.pairs.iter().any(|pair| pair.greatest_bound_px.is_none());
-    let found = report.outcomes(&subject.id).filter(|(_, outcome)| is_loose(outcome));
-    found.map(|(case, _)| case.key.scene.as_str()).collect()
+/// Pixels without a verdict of all cases, by reason.
+fn without_verdict<'a>(report: &'a Report, subject: &'a Subject) -> BTreeMap<&'a str, usize> {
+    let mut found = BTreeMap::new();
+    let pairs = report.outcomes(&subject.id).flat_map(|(_, outcome)| &outcome.pairs);
+    for (reason, count) in pairs.flat_map(|pair| &pair.unbounded_causes) {
+        *found.entry(reason.as_str()).or_default() += count;
+    }
+    found
 }
 
 fn verdict(report: &Report) -> String {
