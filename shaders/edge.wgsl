@@ -110,14 +110,14 @@ fn edge_direction(m: mat4x4<f32>, x: vec3<f32>, k: u32) -> f32 {
 }
 
 fn edge_seen(view: View, face: FaceRecord, parameters: vec2<f32>, at: vec2<f32>) -> EdgeSeen {
-    let uv = min(max(parameters, vec2<f32>(0.0)), vec2<f32>(1.0));
+    let place = found(face, Parameters(vec2<u32>(SEARCHED), parameters));
     let p = degree(face.degree_u);
     let q = degree(face.degree_v);
-    let span_u = find_span(face.knots_u, p, face.count_u, face.last_u, uv.x);
-    let span_v = find_span(face.knots_v, q, face.count_v, face.last_v, uv.y);
-    var nu = basis(face.knots_u, p, span_u, uv.x, false);
-    var nv = basis(face.knots_v, q, span_v, uv.y, false);
-    let d = surface(face, p, q, span_u, span_v, &nu, &nv, false);
+    let span_u = span_of(face.table_u, face.spans_u, p, place.span.x);
+    let span_v = span_of(face.table_v, face.spans_v, q, place.span.y);
+    var nu = basis(span_u.knots, p, place.uv.x, span_u.gain, false);
+    var nv = basis(span_v.knots, q, place.uv.y, span_v.gain, false);
+    let d = surface(face, p, q, vec2<u32>(span_u.first, span_v.first), &nu, &nv, false);
     let m = view.clip_from_local;
     let w = edge_direction(m, d.s, 3u) + m[3][3];
     var out: EdgeSeen;
@@ -126,8 +126,8 @@ fn edge_seen(view: View, face: FaceRecord, parameters: vec2<f32>, at: vec2<f32>)
     let y = (edge_direction(m, d.s, 1u) + m[3][1]) / w;
     let half = view.units.yz;
     out.offset = vec2<f32>(half.x * x + (half.x - at.x), half.y - at.y - half.y * y);
-    out.along_u = edge_along(m, d.su, x, y, w, half);
-    out.along_v = edge_along(m, d.sv, x, y, w, half);
+    out.along_u = edge_along(m, d.su * span_u.per_whole, x, y, w, half);
+    out.along_v = edge_along(m, d.sv * span_v.per_whole, x, y, w, half);
     return out;
 }
 
@@ -205,13 +205,13 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
     let corner = from_corner.x * map.along_u + from_corner.y * map.along_v;
     let least = start;
     let greatest = end;
-    var squared = EDGE_GREATEST_SQUARED;
+    var squared = GREATEST;
     var nearest = start;
     for (var round = 0u; round < EDGE_ROUNDS; round++) {
         let step = (end - start) / f32(EDGE_CHORDS);
         let base = start;
         var from_place = edge_place(control, degree, base, corner, along_x, along_y);
-        squared = EDGE_GREATEST_SQUARED;
+        squared = GREATEST;
         var length_squared = 0.0;
         for (var i = 0u; i < EDGE_CHORDS; i++) {
             let to_place = edge_place(control, degree, base + step * (f32(i) + 1.0), corner, along_x, along_y);
@@ -233,8 +233,6 @@ fn edge_nearest_on_piece(piece: u32, map: EdgeMap, reach_low: vec2<f32>, reach_h
     let c = boundary_point(control, degree, nearest);
     return EdgeFoot(true, box.xy + c.xy / c.z * size, squared);
 }
-
-const EDGE_GREATEST_SQUARED: f32 = 3.4028235e38;
 
 fn edge_extent(per: f32) -> f32 {
     if (per > 0.0) {

@@ -5,7 +5,8 @@ struct VertexInput {
     @location(0) position: vec3<f32>,
     @location(1) uv: vec2<f32>,
     @location(2) face: u32,
-    @location(3) normal: vec3<f32>,
+    @location(3) span: vec2<u32>,
+    @location(4) normal: vec3<f32>,
 }
 
 struct VertexOutput {
@@ -14,6 +15,7 @@ struct VertexOutput {
     @location(1) @interpolate(flat) face: u32,
     @location(2) @interpolate(perspective) normal: vec3<f32>,
     @location(3) @interpolate(perspective) local: vec3<f32>,
+    @location(4) @interpolate(flat) span: vec2<u32>,
 }
 
 @vertex
@@ -23,6 +25,7 @@ fn vertex(in: VertexInput) -> VertexOutput {
     out.clip = m[0] * in.position.x + m[1] * in.position.y + m[2] * in.position.z + m[3];
     out.uv = in.uv;
     out.face = in.face;
+    out.span = in.span;
     out.normal = in.normal;
     out.local = in.position;
     return out;
@@ -30,10 +33,11 @@ fn vertex(in: VertexInput) -> VertexOutput {
 
 // The program at the interpolated (u, v); what lies behind is seen where the face does not cover the pixel.
 fn shown(in: VertexOutput) -> Fragment {
-    let f = fragment(in.face, in.uv);
+    let given = Parameters(in.span, in.uv);
+    let f = fragment(in.face, given);
     if (TRIMMED) {
-        let at = footprint(sight(views[in.face], in.clip.xy), f.uv, f.position, f.su, f.sv);
-        let on_skirt = any(in.uv != f.uv);
+        let at = footprint(sight(views[in.face], in.clip.xy), f.whole, f.position, f.su, f.sv);
+        let on_skirt = is_on_skirt(faces[in.face], given);
         if ((on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX) || !is_shown(faces[in.face], at)) {
             discard;
         }

@@ -248,6 +248,11 @@ fn shown_at(at: vec2<u32>) -> u32 {
     return select(0u, shown, meetings[shown - 1u].piece - batch.first < batch.count);
 }
 
+fn met_at(meeting: Meeting) -> Parameters {
+    let piece = pieces[meeting.piece];
+    return Parameters(vec2<u32>(piece.span_u, piece.span_v), vec2<f32>(meeting.u, meeting.v));
+}
+
 // A thread a pixel.
 @compute @workgroup_size(TILE, TILE)
 fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -257,7 +262,7 @@ fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let meeting = meetings[shown - 1u];
     let face = pieces[meeting.piece].face;
-    let g = gbuffer_output(face, fragment(face, vec2<f32>(meeting.u, meeting.v)), vec2<f32>(id.xy) + 0.5);
+    let g = gbuffer_output(face, fragment(face, met_at(meeting)), vec2<f32>(id.xy) + 0.5);
     textureStore(identity_target, id.xy, g.identity);
     textureStore(position_target, id.xy, g.position);
     textureStore(normal_target, id.xy, g.normal);
@@ -272,6 +277,6 @@ fn resolve_shaded(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let meeting = meetings[shown - 1u];
     let face = pieces[meeting.piece].face;
-    let f = fragment(face, vec2<f32>(meeting.u, meeting.v));
+    let f = fragment(face, met_at(meeting));
     textureStore(colour_target, id.xy, shaded_output(face, f, f.normal, f.position));
 }

@@ -1,4 +1,4 @@
-// Evaluation of a face at local parameters: span, basis, surface. Twin of crates/pipeline/src/eval.rs.
+// Evaluation of a face: span, basis, surface. Twin of crates/pipeline/src/eval.rs.
 
 const PARALLEL: f32 = 1.0 / 1048576.0;
 const COLLAPSED: f32 = 1.0 / 1048576.0;
@@ -18,15 +18,42 @@ struct Derivatives {
     svv: vec3<f32>,
 }
 
-fn find_span(first_knot: u32, p: u32, count: u32, last: u32, t: f32) -> u32 {
-    if (t >= knots[first_knot + count]) {
-        return last;
-    }
-    var low = p;
-    var high = count;
+struct Span {
+    start: f32,
+    first: u32,
+    length: f32,
+    gain: f32,
+    per_whole: f32,
+    // Index of the first of its knots.
+    knots: u32,
+}
+
+fn span_of(table: u32, spans: u32, p: u32, k: u32) -> Span {
+    let record = table + spans + 1u + k * (SPAN_HEAD + 2u * p);
+    return Span(
+        knots[table + k],
+        u32(knots[record]),
+        knots[record + 1u],
+        knots[record + 2u],
+        knots[record + 3u],
+        record + SPAN_HEAD,
+    );
+}
+
+fn whole(span: Span, t: f32) -> f32 {
+    return span.start + span.length * t;
+}
+
+fn local(span: Span, t: f32) -> f32 {
+    return clamp((t - span.start) / span.length, 0.0, 1.0);
+}
+
+fn find_span(table: u32, spans: u32, t: f32) -> u32 {
+    var low = 0u;
+    var high = spans;
     while (high - low > 1u) {
         let middle = (low + high) / 2u;
-        if (t < knots[first_knot + middle]) {
+        if (t < knots[table + middle]) {
             high = middle;
         } else {
             low = middle;
@@ -35,9 +62,9 @@ fn find_span(first_knot: u32, p: u32, count: u32, last: u32, t: f32) -> u32 {
     return low;
 }
 
-fn differences(term: ptr<function, array<f32, CAPACITY>>, p: u32) -> array<f32, CAPACITY> {
+fn differences(term: ptr<function, array<f32, CAPACITY>>, p: u32, gain: f32) -> array<f32, CAPACITY> {
     var d: array<f32, CAPACITY>;
-    let scale = f32(p);
+    let scale = f32(p) * gain;
     d[0] = -(*term)[0] * scale;
     for (var r = 1u; r < p; r++) {
         d[r] = ((*term)[r - 1u] - (*term)[r]) * scale;
@@ -46,7 +73,7 @@ fn differences(term: ptr<function, array<f32, CAPACITY>>, p: u32) -> array<f32, 
     return d;
 }
 
-fn basis(first_knot: u32, p: u32, span: u32, t: f32, second: bool) -> Basis {
+fn basis(first_knot: u32, p: u32, t: f32, gain: f32, second: bool) -> Basis {
     var b: Basis;
     var term: array<f32, CAPACITY>;
     var reciprocal: array<f32, CAPACITY>;
@@ -54,8 +81,8 @@ fn basis(first_knot: u32, p: u32, span: u32, t: f32, second: bool) -> Basis {
     for (var j = 1u; j <= p; j++) {
         var saved = 0.0;
         for (var r = 0u; r < j; r++) {
-            let right = knots[first_knot + span + r + 1u];
-            let left = knots[first_knot + span + 1u + r - j];
+            let right = knots[first_knot + p + r];
+            let left = knots[first_knot + p + r - j];
             reciprocal[r] = 1.0 / (right - left);
             term[r] = b.value[r] * reciprocal[r];
             b.value[r] = saved + (right - t) * term[r];
@@ -63,20 +90,20 @@ fn basis(first_knot: u32, p: u32, span: u32, t: f32, second: bool) -> Basis {
         }
         b.value[j] = saved;
         if (second && j + 1u == p) {
-            b.second = differences(&term, j);
+            b.second = differences(&term, j, gain);
         }
     }
-    b.first = differences(&term, p);
+    b.first = differences(&term, p, gain);
     if (second) {
         for (var r = 0u; r < p; r++) {
             term[r] = b.second[r] * reciprocal[r];
         }
-        b.second = differences(&term, p);
+        b.second = differences(&term, p, gain);
     }
     return b;
 }
 
-fn surface(face: FaceRecord, p: u32, q: u32, span_u: u32, span_v: u32, nu: ptr<function, Basis>, nv: ptr<function, Basis>, second: bool) -> Derivatives {
+fn surface(face: FaceRecord, p: u32, q: u32, first: vec2<u32>, nu: ptr<function, Basis>, nv: ptr<function, Basis>, second: bool) -> Derivatives {
     var a = vec4<f32>();
     var a_u = vec4<f32>();
     var a_v = vec4<f32>();
@@ -84,12 +111,12 @@ fn surface(face: FaceRecord, p: u32, q: u32, span_u: u32, span_v: u32, nu: ptr<f
     var a_uv = vec4<f32>();
     var a_vv = vec4<f32>();
     for (var i = 0u; i <= p; i++) {
-        let first = face.points + (span_u - p + i) * face.count_v + span_v - q;
+        let start = face.points + (first.x + i) * face.count_v + first.y;
         var row = vec4<f32>();
         var row_v = vec4<f32>();
         var row_vv = vec4<f32>();
         for (var j = 0u; j <= q; j++) {
-            let point = points[first + j];
+            let point = points[start + j];
             row = row + (*nv).value[j] * point;
             row_v = row_v + (*nv).first[j] * point;
             if (second) {

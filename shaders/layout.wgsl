@@ -4,20 +4,22 @@ const RATIONAL: u32 = 1u;
 const REVERSED: u32 = 2u;
 const BOUNDED: u32 = 4u;
 const GREATEST: f32 = 3.40282346e38;
+const SEARCHED: u32 = 0xffffffffu;
+const SPAN_HEAD: u32 = 4u;
 
 struct FaceRecord {
     degree_u: u32,
     degree_v: u32,
-    count_u: u32,
-    count_v: u32,
-    knots_u: u32,
-    knots_v: u32,
+    spans_u: u32,
+    spans_v: u32,
+    table_u: u32,
+    table_v: u32,
     points: u32,
-    last_u: u32,
-    last_v: u32,
+    count_v: u32,
     flags: u32,
     trims: u32,
     intervals: u32,
+    padding: u32,
 }
 
 struct View {

@@ -3,6 +3,7 @@
 const EVALUATIONS: u32 = 32u;
 const LAST_BEND_PX: f32 = 1.0 / 128.0;
 const FINE_PX: f32 = 1.0 / 1024.0;
+const ROUNDING: f32 = 1.0 / 2097152.0;
 const PROMISE: f32 = 3.0 / 4.0;
 const BEYOND: f32 = 1.0 / 8.0;
 const INSIDE: f32 = 1.0 / 16.0;
@@ -35,6 +36,7 @@ struct Place {
     w: f32,
     offset: vec2<f32>,
     squared: f32,
+    rounding_squared: f32,
     along_u: vec2<f32>,
     along_v: vec2<f32>,
     side_squared: f32,
@@ -77,7 +79,7 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
         if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
             best = next;
         }
-        if (k < given && is_edge_on(end.at) && !near(piece, end.at.uv, before, ONE_END)) {
+        if (k < given && end.at.w > 0.0 && is_edge_on(end.at) && !near(piece, end.at.uv, before, ONE_END)) {
             again(piece, s, end.at, next.status == HIT, &queue);
         }
         before = end.at.uv;
@@ -87,9 +89,13 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
 
 // The footprint of a pixel whose ray meets the piece at `uv`, by the place where the search came to know.
 fn footprint_of(piece: PieceRecord, at: Place, uv: vec2<f32>) -> Footprint {
+    let face = faces[piece.face];
+    let span_u = span_of(face.table_u, face.spans_u, degree(face.degree_u), piece.span_u);
+    let span_v = span_of(face.table_v, face.spans_v, degree(face.degree_v), piece.span_v);
     let pixel = across(at.along_u, at.along_v);
-    let size = extent(piece);
-    return Footprint(uv, pixel.right * size, pixel.up * size, near_px(at.along_u, at.along_v, at.sides_squared), 0.0);
+    let size = extent(piece) * vec2<f32>(span_u.length, span_v.length);
+    let center = vec2<f32>(whole(span_u, uv.x), whole(span_v, uv.y));
+    return Footprint(center, pixel.right * size, pixel.up * size, near_px(at.along_u, at.along_v, at.sides_squared), 0.0);
 }
 
 fn near(piece: PieceRecord, a: vec2<f32>, b: vec2<f32>, share: f32) -> bool {
@@ -173,14 +179,16 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> End {
     var halvings = 0u;
     for (var k = 0u; k < EVALUATIONS; k++) {
         let next = place(piece, s, uv);
-        let improved = k == 0u || next.squared < best.squared;
-        let slow = k > 0u && next.squared > (1.0 - SLOW) * best.squared;
+        let comes_forward = k > 0u && best.w <= 0.0 && next.w > 0.0;
+        let goes_back = k > 0u && best.w > 0.0 && next.w <= 0.0;
+        let improved = k == 0u || comes_forward || (!goes_back && next.squared < best.squared);
+        let slow = k > 0u && !comes_forward && next.squared > (1.0 - SLOW) * best.squared;
         if (improved) {
             best = next;
             step = slid(best, newton_step(best), low, high);
             halvings = 0u;
         } else if (halvings == HALVINGS) {
-            return End(Outcome(MISS, uv, 0.0), best);
+            return End(stopped(piece, best, !goes_back), best);
         } else {
             step = step * 0.5;
             halvings += 1u;
@@ -189,25 +197,26 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> End {
         let bend = longest * longest;
         let recedes = dot(best.recedes, step);
         let is_last = piece.patience == 0u
+            && best.w > 0.0
             && bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
             && recedes * recedes * best.squared <= FINE_PX * FINE_PX
             && left_squared(best, step) <= FINE_PX * FINE_PX;
         if (is_last) {
             return End(arrived(piece, best, step), best);
         }
-        if (best.squared <= FINE_PX * FINE_PX) {
+        if (best.w > 0.0 && best.squared <= FINE_PX * FINE_PX) {
             return End(arrived(piece, best, vec2<f32>()), best);
         }
         uv = min(max(best.uv + step * size, low), high);
         let promising = promises(best, (uv - best.uv) / size);
         if (improved && (slow || !promising)) {
             if (doubts >= patience(piece, best, promising) || all(uv == best.uv)) {
-                return End(Outcome(MISS, uv, 0.0), best);
+                return End(stopped(piece, best, true), best);
             }
             doubts += 1u;
         }
     }
-    return End(Outcome(UNCONVERGED, uv, 0.0), best);
+    return End(stopped(piece, best, false), best);
 }
 
 fn patience(piece: PieceRecord, at: Place, promised: bool) -> u32 {
@@ -216,6 +225,14 @@ fn patience(piece: PieceRecord, at: Place, promised: bool) -> u32 {
         return PATIENCE;
     }
     return select(piece.patience, max(piece.patience, PATIENCE_EDGE_ON), edge_on);
+}
+
+fn stopped(piece: PieceRecord, at: Place, settled: bool) -> Outcome {
+    let on_ray = at.squared <= at.rounding_squared;
+    if (at.w > 0.0 && on_ray) {
+        return arrived(piece, at, vec2<f32>());
+    }
+    return Outcome(select(UNCONVERGED, MISS, settled && (at.w > 0.0 || on_ray)), at.uv, 0.0);
 }
 
 fn arrived(piece: PieceRecord, at: Place, step: vec2<f32>) -> Outcome {
@@ -231,7 +248,7 @@ fn arrived(piece: PieceRecord, at: Place, step: vec2<f32>) -> Outcome {
 }
 
 fn promises(at: Place, step: vec2<f32>) -> bool {
-    return at.squared == GREATEST || left_squared(at, step) <= (1.0 - PROMISE) * at.squared;
+    return at.w <= 0.0 || left_squared(at, step) <= (1.0 - PROMISE) * at.squared;
 }
 
 fn left_squared(at: Place, step: vec2<f32>) -> f32 {
@@ -248,25 +265,30 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     let face = faces[piece.face];
     let p = degree(face.degree_u);
     let q = degree(face.degree_v);
-    var nu = basis(face.knots_u, p, piece.span_u, uv.x, false);
-    var nv = basis(face.knots_v, q, piece.span_v, uv.y, false);
-    let d = surface(face, p, q, piece.span_u, piece.span_v, &nu, &nv, false);
+    let span_u = span_of(face.table_u, face.spans_u, p, piece.span_u);
+    let span_v = span_of(face.table_v, face.spans_v, q, piece.span_v);
+    var nu = basis(span_u.knots, p, uv.x, 1.0, false);
+    var nv = basis(span_v.knots, q, uv.y, 1.0, false);
+    let d = surface(face, p, q, vec2<u32>(span_u.first, span_v.first), &nu, &nv, false);
     let size = extent(piece);
     let w = plane(s.w, d.s);
     var out: Place;
     out.uv = uv;
     out.w = w;
-    out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / w;
-    out.squared = select(GREATEST, dot(out.offset, out.offset), w > 0.0);
-    let pixels = squared_pixels(s, w);
+    let divisor = select(1.0, w, w > 0.0);
+    out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / divisor;
+    out.squared = dot(out.offset, out.offset);
+    let pixels = squared_pixels(s, divisor);
+    out.rounding_squared = ROUNDING * ROUNDING * pixels * (1.0 + (dot(d.su, d.su) + dot(d.sv, d.sv)));
     let side_u = dot(d.su, d.su) * (size.x * size.x) * pixels;
     let side_v = dot(d.sv, d.sv) * (size.y * size.y) * pixels;
     out.side_squared = max(side_u, side_v);
     out.sides_squared = side_u * side_v;
-    out.depth.x = plane(s.z, d.s) / w;
-    let value = vec3<f32>(out.offset, out.depth.x);
-    let along_u = along(s, value, d.su) * (size.x / w);
-    let along_v = along(s, value, d.sv) * (size.y / w);
+    out.depth.x = plane(s.z, d.s) / divisor;
+    // Times w, the offset has slopes of its own.
+    let value = select(vec3<f32>(), vec3<f32>(out.offset, out.depth.x), w > 0.0);
+    let along_u = along(s, value, d.su) * (size.x / divisor);
+    let along_v = along(s, value, d.sv) * (size.y / divisor);
     out.along_u = along_u.xy;
     out.along_v = along_v.xy;
     out.recedes = vec2<f32>(along_u.w, along_v.w);

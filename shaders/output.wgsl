@@ -5,13 +5,13 @@ struct GBufferOutput {
     @location(0) identity: vec4<u32>, // face + 1, status and edge (edge.wgsl), span in u, span in v
     @location(1) position: vec4<f32>, // S in local coordinates, u
     @location(2) normal: vec4<f32>,   // unit normal, v
-    @location(3) shape: vec4<f32>,    // k1, k2 in local units, |S_u|, |S_v|
+    @location(3) shape: vec4<f32>,    // k1, k2 in local units, |S_u|, |S_v| as of `Fragment`
 }
 
 // The answer of a fragment of the pixel with its centre at `at`.
 fn gbuffer_output(face: u32, f: Fragment, at: vec2<f32>) -> GBufferOutput {
     return GBufferOutput(
-        vec4<u32>(face + 1u, f.status | edge(face, f.uv, at), f.span),
+        vec4<u32>(face + 1u, f.status | edge(face, f.whole, at), f.span),
         vec4<f32>(f.position, f.uv.x),
         vec4<f32>(f.normal, f.uv.y),
         vec4<f32>(f.curvature, f.speed),
@@ -25,7 +25,7 @@ fn shaded_output(face: u32, f: Fragment, normal: vec3<f32>, local: vec3<f32>) ->
     s.normal = normal;
     s.status = f.status;
     s.view = view_direction(view.eye, local);
-    s.uv01 = f.uv;
+    s.uv01 = f.whole;
     s.face = face;
     s.curved = select(0u, 1u, CURVATURE && f.status == REGULAR);
     s.k1 = f.curvature.x * view.units.x;

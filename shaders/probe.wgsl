@@ -1,7 +1,8 @@
-// The fragment program at given parameters. Host: crates/gpu/src/probe.rs.
+// The fragment program at given parameters; where these are of the whole domain, whether there is material. Host: crates/gpu/src/probe.rs.
 
 struct ProbeQuery {
     uv: vec2<f32>,
+    span: vec2<u32>,
     face: u32,
     padding: u32,
 }
@@ -27,7 +28,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let query = probe_queries[index];
-    let f = fragment(query.face, query.uv);
+    let f = fragment(query.face, Parameters(query.span, query.uv));
     let material = select(0u, MATERIAL, is_material(faces[query.face], query.uv));
     probe_answers[index] = ProbeAnswer(
         vec4<u32>(query.face + 1u, f.status | material, f.span),

@@ -38,7 +38,7 @@ fn an_edited_renderer_shows_what_a_new_one_shows() {
                 let mut followed = was.clone();
                 followed.follow(&edited, &after, FaceId(0));
                 assert_eq!(followed.indices, was.indices, "nothing is tessellated anew");
-                assert!(followed.chord[0] > 0.0 && followed.chord != was.chord);
+                assert!(followed.chord[0][0] > 0.0 && followed.chord != was.chord);
                 followed
             }
             Technique::Exact => proxy(technique, &edited, &after, &camera, viewport),

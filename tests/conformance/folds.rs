@@ -1,6 +1,6 @@
 //! Technique `exact` beside folds, where a ray meets one piece up to three times.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use pipeline::Sight;
 use pipeline::Technique;
 use pipeline::newton::{Outcome, solve};
@@ -38,18 +38,18 @@ fn a_root_beyond_the_fold_hides_those_that_the_first_searches_find() {
         let sees = |piece: &pipeline::PieceRecord| {
             let sight = Sight::new(&stage.views[piece.face as usize], at.map(|x| x as f32));
             match solve(&stage.scene, piece, &sight).outcome {
-                Outcome::Hit { uv, depth } => Some((depth, uv, piece.face as usize)),
+                Outcome::Hit { uv, depth } => Some((depth, [piece.span_u, piece.span_v], uv, piece.face as usize)),
                 Outcome::Miss | Outcome::Unconverged => None,
             }
         };
         let found = stage.proxy.pieces.iter().filter_map(sees);
-        let (_, uv, face) = found.max_by(|a, b| a.0.total_cmp(&b.0)).expect("something is seen");
+        let (_, span, uv, face) = found.max_by(|a, b| a.0.total_cmp(&b.0)).expect("something is seen");
         let caster = Caster::new(&model);
         let first = caster.all(&camera.ray(viewport, at[0], at[1])).hits[0];
-        let domain = stage.scene.frames[face].domain;
-        let local = [(first.uv.x, 0), (first.uv.y, 1)].map(|(t, k)| (t - domain[k][0]) / (domain[k][1] - domain[k][0]));
-        let off = [0, 1].map(|k| (local[k] - f64::from(uv[k])).abs());
-        assert!(face == first.face.0 as usize && off[0].max(off[1]) < 1e-3, "{name} ({x}, {y}): {uv:?}, not {local:?}");
+        let [[u0, u1], [v0, v1]] = model.surface(first.face).domain();
+        let uv = stage.scene.frames[face].uv(span, uv);
+        let off = (uv - first.uv).abs() / DVec2::new(u1 - u0, v1 - v0);
+        assert!(face == first.face.0 as usize && off.max_element() < 1e-3, "{name} ({x}, {y}): {uv}, not {}", first.uv);
     }
 }
 

@@ -386,6 +386,7 @@ fn random_numbers_are_judged_and_differ() {
             Some(Hit {
                 face: FaceId((next() % 32) as u32),
                 uv: DVec2::new(unit(), unit()),
+                local: None,
                 t: if round % 4 < 2 { any() } else { unit() },
                 position: vector(),
                 normal: Normal::Regular(vector()),

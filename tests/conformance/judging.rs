@@ -2,6 +2,7 @@
 
 use compare::{Cause, PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Hit};
+use pipeline::Parameters;
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 use std::sync::Arc;
@@ -53,10 +54,9 @@ fn a_surface_that_is_not_shown_is_named_by_technique_and_by_what_the_renderers_s
     assert_eq!(judge(&raycast, &hole("exact").with_undecided([at])), Some(Cause::NewtonNotConverged));
     assert_eq!(judge(&raycast.clone().with_undecided([at]), &hole("exact")), Some(Cause::Undecided));
     // The farther side, evaluated by the program at the f32 parameters nearest to the ray's.
-    let frame = &stage.scene.frames[farther.face.0 as usize];
-    let [[u0, u1], [v0, v1]] = frame.domain;
+    let [[u0, u1], [v0, v1]] = model.surface(farther.face).domain();
     let uv = [(farther.uv.x - u0) / (u1 - u0), (farther.uv.y - v0) / (v1 - v0)].map(|t| t as f32);
-    let fragment = pipeline::fragment::fragment(&stage.scene, farther.face.0, uv, true);
+    let fragment = pipeline::fragment::fragment(&stage.scene, farther.face.0, Parameters::searched(uv), true);
     let hidden = |technique| changed(&raster, technique, |_| Some(stage.scene.hit(&fragment, &ray)));
     assert_eq!(judge(&raycast, &hidden("fragment")), Some(Cause::Depth));
     assert_eq!(judge(&raycast, &hidden("exact")), Some(Cause::MissedRoot));

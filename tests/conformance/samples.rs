@@ -19,7 +19,7 @@ const PATTERNS: [SamplePattern; 3] = [SamplePattern::Four, SamplePattern::Eight,
 fn curve(degree: usize, points: Vec<DVec2>, weights: Option<Vec<f64>>) -> Trim {
     let knots = [vec![0.0; degree + 1], vec![1.0; degree + 1]].concat();
     let knots = KnotVector::new(degree, knots).expect("legal");
-    Trim { knots, points, weights, reversed: false, seam: false, degenerate: false, edge: None }
+    Trim::new(knots, points, weights)
 }
 
 /// A polygon of (u, v), anticlockwise.

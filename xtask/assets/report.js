@@ -32,7 +32,7 @@ for (const entry of report.cases) {
       covered: pairs.length ? pairs[0].covered : 0,
       differing: pairs.reduce((sum, pair) => sum + pair.differing, 0),
       unbounded: Math.max(0, ...pairs.map((pair) => pair.unbounded)),
-      undecided: entry.undecided, shares: shares(pairs), across: across ? across[0] : 0, loose: pairs.some((pair) => pair.greatest_bound_px === null),
+      undecided: entry.undecided, shares: shares(pairs), across: across ? across[0] : 0,
       reasons: outcome.error ? [outcome.error] : [...new Set(pairs.flatMap((pair) => pair.reasons))],
     });
   }
@@ -43,7 +43,7 @@ for (const { id, missing } of subjects) {
     const [scene, viewpoint, technique, scheme] = name.split("/");
     const entry = report.cases.find((entry) => ["scene", "viewpoint", "technique", "scheme"].every((part, i) => entry.key[part] === name.split("/")[i]));
     const why = (entry && entry.error) || subjectById.get(id).failure || "not there";
-    rows.push({ entry: null, outcome: null, scene, viewpoint, technique, scheme, subject: id, state: "partial", covered: 0, differing: 0, unbounded: 0, undecided: 0, shares: [0, 0, 0], across: 0, loose: false, reasons: [why] });
+    rows.push({ entry: null, outcome: null, scene, viewpoint, technique, scheme, subject: id, state: "partial", covered: 0, differing: 0, unbounded: 0, undecided: 0, shares: [0, 0, 0], across: 0, reasons: [why] });
   }
 }
 
@@ -262,7 +262,7 @@ function line(row) {
     el("td", {}, open), el("td", {}, row.viewpoint), el("td", {}, row.technique, " ", el("small", {}, row.scheme)), el("td", {}, subjectById.get(row.subject).name),
     el("td", {}, badge(row.state), row.reasons.map((reason) => el("div", { class: "reason" }, reason))),
     el("td", { class: "number" }, row.covered.toLocaleString("en")), el("td", { class: "number" }, String(row.differing)), el("td", { class: "number" }, String(row.unbounded)),
-    share(row, 0), share(row, 1), share(row, 2), el("td", { class: "number" }, row.outcome ? row.across.toFixed(4) : "–", row.loose ? el("div", {}, el("small", {}, "some have no bound")) : null));
+    share(row, 0), share(row, 1), share(row, 2), el("td", { class: "number" }, row.outcome ? row.across.toFixed(4) : "–"));
   open.addEventListener("click", () => {
     const next = node.nextElementSibling;
     const isOpen = open.getAttribute("aria-expanded") === "true";

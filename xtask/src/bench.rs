@@ -12,8 +12,9 @@ use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use compare::Verdict;
 use gbuffer::{ShadeKind, Shading};
 use glam::{DQuat, DVec3};
+use pipeline::eval::find_span;
 use pipeline::fragment::{Fragment, fragment_row};
-use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
+use pipeline::{DEFAULT_CHORD_PX, PackedScene, Parameters, Proxy, Scheme, Technique, View};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Ray, Viewport};
 use serde::Serialize;
@@ -258,8 +259,16 @@ fn evaluate_f32(model: &Model, points: &[[f64; 2]]) -> Result<f64> {
     let scene = PackedScene::new(model, Scheme::Specialised)?;
     let mut uv: Vec<[f32; 2]> = points.iter().map(|uv| uv.map(|t| t as f32)).collect();
     // As a rasterizer meets them: one span after the other.
-    let [ku, kv] = scene.knots(&scene.faces[0]);
-    uv.sort_by_key(|uv| (ku.partition_point(|k| *k <= uv[0]), kv.partition_point(|k| *k <= uv[1])));
+    let starts = scene.starts(&scene.faces[0]);
+    uv.sort_by_key(|uv| [0, 1].map(|k| find_span(starts[k], uv[k])));
+    let uv: Vec<Parameters> = uv
+        .into_iter()
+        .map(|uv| {
+            let span = [0, 1].map(|k| find_span(starts[k], uv[k]) as u32);
+            let spans = scene.spans(&scene.faces[0], span);
+            Parameters { span, uv: [0, 1].map(|k| spans[k].local(uv[k])) }
+        })
+        .collect();
     let mut out: Vec<Fragment> = Vec::with_capacity(uv.len());
     let start = Instant::now();
     fragment_row(&scene, 0, &uv, false, &mut out);

@@ -46,6 +46,10 @@ pub struct CompareArgs {
     /// What saved G-buffers show, where that is no built-in model
     #[arg(long = "model", value_name = "MODEL")]
     of_model: Option<String>,
+    /// Refuse a model file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap
+    /// closed
+    #[arg(long)]
+    strict: bool,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -177,7 +181,7 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     match (subjects.iter().copied().partition::<Vec<_>, _>(is_saved), &args.of_model) {
         ((files, models), _) if models.is_empty() => saved::run(args, &files),
         ((files, models), None) if files.is_empty() && models.len() == 1 => {
-            rendered::run(args, &ModelArgs { model: models[0].clone() })
+            rendered::run(args, &ModelArgs { model: models[0].clone(), strict: args.strict })
         }
         ((_, models), Some(_)) => {
             bail!("--model names what saved G-buffers (.npz) show, and {:?} is not one", models[0])

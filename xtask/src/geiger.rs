@@ -92,7 +92,7 @@ pub fn run(args: &GeigerArgs) -> Result<()> {
     picture.write_png(args.out.join("fig17.png"))?;
     let zoomed = zoom::pictures()?;
     zoomed.write_png(args.out.join("zoom.png"))?;
-    let model = ModelArgs { model: args.model.clone() }.open()?;
+    let model = ModelArgs::named(&args.model).open()?;
     let cost = |side, chords| cost(&model, device.as_ref(), [side, chords], args);
     let by_side: Vec<Cost> = SIDES.into_iter().map(|side| cost(side, 64)).collect::<Result<_>>()?;
     let by_chords: Vec<Cost> = CHORDS.into_iter().map(|chords| cost(1024, chords)).collect::<Result<_>>()?;
@@ -223,7 +223,7 @@ fn ellipse() -> Result<Model> {
         // A half of an ellipse, to the eye: the handles are 4/3 of the half axis.
         let points = vec![at(0.45, 0.0), at(0.45, 0.4), at(-0.45, 0.4), at(-0.45, 0.0)];
         let knots = KnotVector::new(3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])?;
-        Ok(Trim { knots, points, weights: None, reversed: false, seam: false, degenerate: false, edge: None })
+        Ok(Trim::new(knots, points, None))
     };
     let boundary = Loop { outer: true, trims: vec![half(1.0)?, half(-1.0)?] };
     Ok(Model::new("ellipse", vec![surface], vec![Face { loops: vec![boundary], ..Face::whole(0) }])?)

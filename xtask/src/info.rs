@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use nurbs::{Direction, Hull, KnotVector, Surface};
-use scene::{FaceId, Model};
+use scene::{FaceId, Model, Note, escaped};
 use serde::Serialize;
 
 /// A side counts as collapsed to a point when its control points stay within this share of the surface's box.
@@ -32,6 +32,8 @@ pub struct InfoArgs {
 #[derive(Serialize)]
 struct FaceInfo {
     face: usize,
+    /// Its number in the file: another one where faces before it were left out or cut.
+    number_in_file: usize,
     surface: usize,
     degree: [usize; 2],
     control_points: [usize; 2],
@@ -59,6 +61,8 @@ struct KnotInfo {
 struct ModelInfo {
     model: String,
     hash: String,
+    /// What of the file is not drawn as it stands there.
+    notes: Vec<String>,
     faces: Vec<FaceInfo>,
     hull: [[f64; 3]; 2],
     bezier_patches: usize,
@@ -78,10 +82,9 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         return Ok(());
     }
     let model = args.model.open()?;
-    let info = describe(&model);
     match args.format {
-        Format::Json => terminal::json_lines(&info)?,
-        Format::Table => print(&info)?,
+        Format::Json => terminal::json_lines(&describe(&model))?,
+        Format::Table => say!("{}", text(&model))?,
     }
     Ok(())
 }
@@ -130,6 +133,7 @@ fn describe(model: &Model) -> ModelInfo {
     ModelInfo {
         model: model.name().to_owned(),
         hash: model.hash(),
+        notes: model.notes().iter().map(Note::to_string).collect(),
         faces,
         hull: corners(model.hull()),
         bezier_patches,
@@ -147,6 +151,7 @@ fn face(model: &Model, id: usize) -> FaceInfo {
     let [ku, kv] = [Direction::U, Direction::V].map(|d| surface.knots(d));
     FaceInfo {
         face: id,
+        number_in_file: model.number_in_file(FaceId(id as u32)),
         surface: face.surface,
         degree: surface.degree(),
         control_points: surface.control_counts(),
@@ -196,10 +201,19 @@ fn degenerate_edges(surface: &Surface) -> Vec<&'static str> {
     sides.into_iter().filter_map(|(name, is)| is.then_some(name)).collect()
 }
 
-fn print(info: &ModelInfo) -> Result<()> {
-    let point = |p: [f64; 3]| format!("({:.6}, {:.6}, {:.6})", p[0], p[1], p[2]);
-    say!("{}: {} faces, {} Bézier patches, hash {}", info.model, info.faces.len(), info.bezier_patches, info.hash)?;
-    say!("box {} to {}", point(info.hull[0]), point(info.hull[1]))?;
+/// The model for people, in lines.
+pub fn text(model: &Model) -> String {
+    let info = describe(model);
+    let mut lines = vec![];
+    let point = |p: [f64; 3]| format!("({})", p.map(|x| significant(x, size_of(info.hull))).join(", "));
+    lines.push(format!(
+        "{}: {} faces, {} Bézier patches, hash {}",
+        escaped(&info.model),
+        info.faces.len(),
+        info.bezier_patches,
+        info.hash
+    ));
+    lines.push(format!("box {} to {}", point(info.hull[0]), point(info.hull[1])));
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([
@@ -216,8 +230,11 @@ fn print(info: &ModelInfo) -> Result<()> {
     for f in info.faces.iter().take(TABLE_ROWS) {
         let kind = if f.rational { "rational" } else { "polynomial" };
         let kind = if f.reversed { format!("{kind}, reversed") } else { kind.to_owned() };
+        let is_renumbered = f.face != f.number_in_file;
+        let face =
+            if is_renumbered { format!("{} ({} in the file)", f.face, f.number_in_file) } else { f.face.to_string() };
         table.add_row([
-            f.face.to_string(),
+            face,
             format!("{} × {}", f.degree[0], f.degree[1]),
             format!("{} × {}", f.control_points[0], f.control_points[1]),
             knot_text(&f.knots_u),
@@ -228,29 +245,44 @@ fn print(info: &ModelInfo) -> Result<()> {
             format!("{}\n{}", point(f.hull[0]), point(f.hull[1])),
         ]);
     }
-    terminal::table(&table)?;
+    lines.push(table.to_string());
     if info.faces.len() > TABLE_ROWS {
-        say!("… and {} more (--format json lists all)", info.faces.len() - TABLE_ROWS)?;
+        lines.push(format!("… and {} more (--format json lists all)", info.faces.len() - TABLE_ROWS));
     }
     if let Some(t) = &info.trimming {
-        say!(
+        lines.push(format!(
             "{} trimmed faces, {} trim curves; largest gap closed in a loop {:.1e}",
-            t.trimmed_faces,
-            t.trim_curves,
-            t.largest_gap_in_a_loop
-        )?;
+            t.trimmed_faces, t.trim_curves, t.largest_gap_in_a_loop
+        ));
         if let Some(widest) = &t.widest_edge {
             let faces: Vec<String> = widest.faces.iter().map(u32::to_string).collect();
-            say!(
+            lines.push(format!(
                 "{} shared edges; the curves of edge {}, faces {}, run farthest apart: {:.1e}",
                 t.shared_edges,
                 widest.edge,
                 faces.join(" and "),
                 widest.gap
-            )?;
+            ));
         }
     }
-    Ok(())
+    lines.join("\n")
+}
+
+/// The greatest side of a box.
+fn size_of([min, max]: [[f64; 3]; 2]) -> f64 {
+    (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max)
+}
+
+/// A coordinate to a millionth of `size`, or to seven digits where it is much larger or smaller than 1.
+fn significant(x: f64, size: f64) -> String {
+    if x == 0.0 || x.abs() < 1e-6 * size {
+        return "0".to_owned();
+    }
+    if !(1e-3..1e7).contains(&size) || 1e7 <= x.abs() {
+        return format!("{x:.6e}");
+    }
+    let decimals = (6.0 - size.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{x:.decimals$}")
 }
 
 fn knot_text(knots: &KnotInfo) -> String {

@@ -33,7 +33,7 @@ pub struct PixelArgs {
 /// # Errors
 /// Where input is bad or the pixel is outside the picture.
 pub fn run(args: &PixelArgs) -> Result<ExitCode> {
-    let model = ModelArgs { model: args.model.clone() }.open()?;
+    let model = ModelArgs::named(&args.model).open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let (x, y): (usize, usize) = args
@@ -89,6 +89,9 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Resu
     row("u", &|hit| hit.uv.x.to_string());
     row("v", &|hit| hit.uv.y.to_string());
     row("knot span", &|hit| format!("{:?}", spans(stage, hit)));
+    row("place on the spans", &|hit| {
+        hit.local.map_or("—".to_owned(), |local| format!("{:?}\n{}\n{}", local.span, local.uv.x, local.uv.y))
+    });
     row("S", &|hit| text(hit.position));
     row("S_u, f64 at this (u, v)", &|hit| text(derivatives(hit).su));
     row("S_v, f64 at this (u, v)", &|hit| text(derivatives(hit).sv));
@@ -112,8 +115,10 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Resu
         intervals(&enclosures(hit), |e| e.curvature.map(|k| k.map(|k| k.scaled(1.0 / scale))))
     });
     row("decisions", &|hit| {
-        let each =
-            enclosures(hit).iter().map(|e| format!("packed span {:?}: {:?}", e.span, e.regularity)).collect::<Vec<_>>();
+        let each = enclosures(hit)
+            .iter()
+            .map(|e| format!("spans {:?}: {:?}", e.on.map(|on| on.span), e.regularity))
+            .collect::<Vec<_>>();
         each.join("\n")
     });
     row("t", &|hit| hit.t.to_string());
@@ -125,7 +130,8 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Resu
     });
     row("chord bound, px", &|hit| {
         let depth = stage.camera.depth(hit.position).max(f64::MIN_POSITIVE);
-        format!("{:.6}", stage.proxy.chord[hit.face.0 as usize] * stage.camera.pixels_per_unit(stage.viewport, depth))
+        let chord = stage.proxy.chord[hit.face.0 as usize].iter().fold(0.0, |most: f64, chord| most.max(*chord));
+        format!("{:.6}", chord * stage.camera.pixels_per_unit(stage.viewport, depth))
     });
     terminal::table(&table)
 }

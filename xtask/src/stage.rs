@@ -351,10 +351,9 @@ impl<'m> Stage<'m> {
         pairs.into_iter().map(verdict).collect()
     }
 
-    /// What the fragment program may return at a hit's own (u, v).
+    /// What the fragment program may return at a hit's own place.
     pub fn enclosures(&self, hit: &Hit, curvature: bool) -> Enclosures {
-        let parameters = self.scene.frames[hit.face.0 as usize].parameters(hit.uv);
-        enclose(&self.scene, hit.face.0, parameters, curvature)
+        enclose(&self.scene, hit.face.0, &self.scene.frames[hit.face.0 as usize].known(hit), curvature)
     }
 
     fn rays<'a>(&self, caster: &'a Caster<'a>) -> Rays<'a> {
@@ -365,19 +364,14 @@ impl<'m> Stage<'m> {
         Judge::new(self.model, &self.camera, self.viewport, &self.scene).with_unbounded_share(self.plan.unbounded_share)
     }
 
-    /// What the triangles keep, for each face.
-    pub fn chord(&self) -> Vec<Vec<f64>> {
-        self.proxy.chord.iter().map(|chord| vec![*chord]).collect()
-    }
-
     /// The allowance against the surface itself, or between two renderers of the same triangles.
     fn deviation(&self, exact: bool) -> Deviation {
         let asked_px = self.plan.chord_px;
-        let chord = self.chord();
+        let chord = &self.proxy.chord;
         let solved = || Deviation::exact().with_unanswered();
         let deviation = match (self.plan.technique, exact) {
-            (Technique::Fragment, true) => Deviation::of_proxy(&self.interpolation, &chord, asked_px),
-            (Technique::Fragment, false) => Deviation::of_same_proxy(&self.interpolation, &chord, asked_px),
+            (Technique::Fragment, true) => Deviation::of_proxy(&self.interpolation, chord, asked_px),
+            (Technique::Fragment, false) => Deviation::of_same_proxy(&self.interpolation, chord, asked_px),
             (Technique::Exact, true) => solved(),
             (Technique::Exact, false) => solved().either(&solved()),
         };

@@ -4,7 +4,7 @@ use crate::number;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use glam::{DVec2, DVec3};
-use scene::{Camera, Model, Projection, Viewport};
+use scene::{Camera, Model, Projection, Viewport, escaped};
 use std::path::Path;
 
 /// A model by name or file.
@@ -13,6 +13,9 @@ pub struct ModelArgs {
     /// A model file (.json, .bpt) or the name of a built-in model (see `cargo xtask info --list`)
     #[arg(value_name = "MODEL", default_value = "teapot")]
     pub model: String,
+    /// Refuse a file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap closed
+    #[arg(long)]
+    pub strict: bool,
 }
 
 /// Where the camera stands and what it fills.
@@ -44,12 +47,39 @@ pub struct ViewArgs {
     pub size: Option<String>,
 }
 
+/// Notes that are printed before the rest is only counted; the JSON of `info` and `compare` lists all.
+const PRINTED_NOTES: usize = 100;
+
 impl ModelArgs {
-    /// Opens the model.
+    /// The model of that name or file, whatever is left out of it.
+    pub fn named(model: &str) -> Self {
+        Self { model: model.to_owned(), strict: false }
+    }
+
+    /// Opens the model, and prints on standard error what of it is not drawn as it stands in its file.
     ///
     /// # Errors
-    /// Where it is neither a built-in name nor a readable file; a file's error names the place and the value.
+    /// Where it is neither a built-in name nor a readable file; a file's error names the place and the value. With
+    /// `strict`, where there is anything to print.
     pub fn open(&self) -> Result<Model> {
+        let model = self.read()?;
+        let notes = model.notes();
+        for note in notes.iter().take(PRINTED_NOTES) {
+            eprintln!("note: {}: {note}", escaped(&self.model));
+        }
+        if PRINTED_NOTES < notes.len() {
+            eprintln!("note: {}: and {} more", escaped(&self.model), notes.len() - PRINTED_NOTES);
+        }
+        if self.strict && !notes.is_empty() {
+            bail!(
+                "{}: not drawn as it stands in the file, by the notes above, and --strict is given",
+                escaped(&self.model)
+            );
+        }
+        Ok(model)
+    }
+
+    fn read(&self) -> Result<Model> {
         if let Some(model) = formats::builtin(&self.model) {
             return Ok(model);
         }
@@ -100,7 +130,10 @@ impl ViewArgs {
             (None, None) => framing.projection(),
         };
         let eye = vector(&self.eye).unwrap_or(framing.eye());
-        let target = vector(&self.target).unwrap_or_else(|| model.hull().center());
+        let target = vector(&self.target).unwrap_or_else(|| match self.eye {
+            Some(_) => model.hull().center(),
+            None => framing.target(),
+        });
         let up = vector(&self.up).unwrap_or(DVec3::Z);
         let shift = self.lens_shift.as_ref().map_or(DVec2::ZERO, |shift| DVec2::new(shift[0], shift[1]));
         let camera = Camera::look_at(eye, target, up, projection)?.with_lens_shift(shift)?;

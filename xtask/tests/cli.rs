@@ -236,6 +236,7 @@ fn a_small_file_of_large_arrays_costs_nothing_before_its_model_is_known() {
     let hit = gbuffer::Hit {
         face: FaceId(0),
         uv: Default::default(),
+        local: None,
         t: 0.0,
         position: Default::default(),
         normal: nurbs::Normal::Undefined,

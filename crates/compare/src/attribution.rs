@@ -34,7 +34,7 @@ impl<'m> Attribution<'m> {
     ///
     /// In this order: not finite (or, where nothing of the hit is a number, a slip beyond the knots), u and v exchanged
     /// (a net read by columns gives the same point on a face whose two knot vectors are alike, with the opposite
-    /// normal), quotient missing, nearly right, another span, net transposed, another face, the domain's end (whose
+    /// normal), quotient missing, nearly right, another span (by its knots, or at the same share of it), net transposed, another face, the domain's end (whose
     /// span is a case of its own), unexplained.
     pub fn of_position(&self, hit: &Hit, excess: f64) -> Cause {
         let surface = self.model.surface(hit.face);
@@ -63,7 +63,7 @@ impl<'m> Attribution<'m> {
         if excess <= NEARLY {
             return Cause::Rounding;
         }
-        if other_spans(surface, hit).any(near) {
+        if other_spans(surface, hit).chain(slipped_spans(surface, hit)).any(near) {
             return Cause::Span;
         }
         if transposed(surface, hit).into_iter().flatten().any(near) {
@@ -119,6 +119,22 @@ fn other_spans<'a>(surface: &'a Surface, hit: &'a Hit) -> impl Iterator<Item = D
         let a = sum(surface, hit, step, |i, j, _, columns| i * columns + j)?;
         Some(surface.origin() + a.truncate() / a.w)
     })
+}
+
+/// Positions on the neighbouring spans that are not empty, at the same shares of them: what a program that is one off in its
+/// span reads by parameters local to it.
+fn slipped_spans<'a>(surface: &'a Surface, hit: &'a Hit) -> impl Iterator<Item = DVec3> + 'a {
+    let places = |direction: Direction, t: f64| {
+        let knots = surface.knots(direction);
+        let all = knots.knots();
+        let spans: Vec<usize> = knots.spans().collect();
+        let own = spans.iter().position(|&span| span == knots.find_span(t)).expect("a parameter is on a span");
+        let share = (t - all[spans[own]]) / (all[spans[own] + 1] - all[spans[own]]);
+        let near = own.saturating_sub(1)..(own + 2).min(spans.len());
+        near.map(|k| all[spans[k]] + share * (all[spans[k] + 1] - all[spans[k]])).collect::<Vec<f64>>()
+    };
+    let (us, vs) = (places(Direction::U, hit.uv.x), places(Direction::V, hit.uv.y));
+    us.into_iter().flat_map(move |u| vs.clone().into_iter().map(move |v| surface.point(u, v)))
 }
 
 /// The whole power p for which a = 2ᵖ b, if there is one.

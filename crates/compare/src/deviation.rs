@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// the other half up to 16384 pixels.
 pub const SNAP_PX: f64 = 1.0 / 256.0;
 
-/// Interpolated parameters may be off by this many units of 2⁻²⁴ of the domain: WGSL states no accuracy of
+/// Interpolated parameters may be off by this many units of 2⁻²⁴ of what they run over, 0 … 1: WGSL states no accuracy of
 /// interpolation. Of the models of the conformance tests, none needs more on llvmpipe or an H100.
 pub const ATTRIBUTE_ULPS: f64 = 16.0;
 
@@ -45,9 +45,18 @@ pub struct Interpolation {
 }
 
 impl Interpolation {
-    /// [`ATTRIBUTE_ULPS`] of each domain at the greatest speeds of each piece.
+    /// Of parameters that are 0 … 1 on each piece: [`ATTRIBUTE_ULPS`] of it at its greatest speeds.
     pub fn of(model: &Model) -> Self {
-        let per_surface = Arc::new(model.surfaces().par_iter().map(attributes_of).collect());
+        Self::with(model, true)
+    }
+
+    /// Of parameters that are those of the whole domain: [`ATTRIBUTE_ULPS`] of it at the greatest speeds of each piece.
+    pub fn of_domain(model: &Model) -> Self {
+        Self::with(model, false)
+    }
+
+    fn with(model: &Model, local: bool) -> Self {
+        let per_surface = Arc::new(model.surfaces().par_iter().map(|surface| attributes_of(surface, local)).collect());
         Self { per_surface, surfaces: model.faces().iter().map(|face| face.surface).collect() }
     }
 
@@ -132,7 +141,7 @@ impl Deviation {
                 "claimed chord of {chord_px} px at each face's nearest depth + {SNAP_PX} px of vertex snapping + \
                  {ATTRIBUTE_ULPS} ulp of interpolated parameters"
             ),
-            ..Self::of_proxy(&Interpolation::of(model), &chord, chord_px)
+            ..Self::of_proxy(&Interpolation::of_domain(model), &chord, chord_px)
         }
     }
 
@@ -208,11 +217,32 @@ fn sums(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
     (0..faces).map(pieces).collect()
 }
 
-fn attributes_of(surface: &Surface) -> Vec<f64> {
-    let [[u0, u1], [v0, v1]] = surface.domain();
+/// [`ATTRIBUTE_ULPS`] of the piece that parameters are local to, or of the whole domain.
+fn attributes_of(surface: &Surface, local: bool) -> Vec<f64> {
     let of_piece = |patch: &BezierPatch| {
         let bounds = patch.derivative_bounds();
-        ATTRIBUTE_ULPS / (1u64 << 24) as f64 * (bounds.u * (u1 - u0) + bounds.v * (v1 - v0))
+        let [width, height] = if local { patch.domain } else { surface.domain() }.map(|[start, end]| end - start);
+        ATTRIBUTE_ULPS / (1u64 << 24) as f64 * (bounds.u * width + bounds.v * height)
     };
     surface.bezier_patches().iter().map(of_piece).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_takes_its_own_number_or_the_one_for_all_and_two_sides_add_up() {
+        let model = formats::builtin("surface").expect("built in");
+        let pieces = model.surfaces()[0].bezier_patches().len();
+        let each: Vec<f64> = (0..pieces).map(|piece| 1.0 + piece as f64).collect();
+        let of = |chord: Vec<f64>| Deviation::of_proxy(&Interpolation::of(&model), &[chord], 0.25);
+        let (one, all) = (of(each), of(vec![0.5]));
+        assert_eq!((one.chord_at(0, pieces - 1), all.chord_at(0, pieces - 1)), (pieces as f64, 0.5));
+        let both = one.either(&all).either(&Deviation::exact());
+        assert_eq!(both.chord_at(0, 2), 3.5);
+        assert_eq!(both.attribute_at(0, 2), 2.0 * one.attribute_at(0, 2));
+        assert_eq!(both.limit_px, 1.0 + EXACT_MULTIPLE * EXACT_PX);
+        assert_eq!(Deviation::exact().chord_at(0, 2), 0.0);
+    }
 }

@@ -132,7 +132,7 @@ impl Judge<'_> {
         let frame = &self.scene.frames[hit.face.0 as usize];
         let size = frame.edge_band * region.domain().size();
         let curves = size.x * about.slopes.x_axis.length() + size.y * about.slopes.y_axis.length();
-        let enclosures = enclose(self.scene, hit.face.0, frame.parameters(hit.uv), false);
+        let enclosures = enclose(self.scene, hit.face.0, &frame.known(hit), false);
         let widths = enclosures.iter().filter_map(|e| e.position).map(|s| radius(&s) * frame.scale);
         let s = self.surface_point(hit);
         let rounded = self.camera.pixels_within(self.viewport, s, widths.fold(0.0, f64::max));

@@ -3,7 +3,8 @@
 use crate::judge::{Difference, Judge};
 use crate::{Cause, NEARLY, Shares, Unbounded};
 use gbuffer::{Hit, PrincipalCurvatures};
-use nurbs::{Direction, Normal, SurfacePoint};
+use glam::DVec2;
+use nurbs::{Normal, SurfacePoint};
 use pipeline::PackedFrame;
 use pipeline::enclosure::{Enclosure, Interval, Regularity, enclose};
 
@@ -13,10 +14,6 @@ const WIDENING: f64 = 4.0 * f64::EPSILON;
 /// Rounding of f64's own evaluation against f32's, which is 2³⁰ times coarser, with room for another order of operations
 /// and other knots.
 const OWN_ROUNDING: f64 = 1.0 / 1024.0;
-
-/// How far, in units of 2⁻²⁴ of the domain, packing may move a knot of a clamped direction: two parameters closer than
-/// this to a knot are on either span.
-const KNOT_ULPS: f64 = 2.0;
 
 /// Values that are as they may be.
 pub(crate) struct Evaluated {
@@ -36,16 +33,22 @@ impl Judge<'_> {
             return Err(Difference::new(self.attribution.of_position(hit, f64::INFINITY), f64::INFINITY, detail));
         }
         let frame = &self.scene.frames[hit.face.0 as usize];
-        let parameters = frame.parameters(hit.uv);
-        let enclosures = enclose(self.scene, hit.face.0, parameters, hit.curvature.is_some());
+        // What does not belong to (u, v) is not believed: first (u, v) are judged, then that.
+        let belongs = frame.belongs(hit);
+        let known = frame.known(hit);
+        let enclosures = enclose(self.scene, hit.face.0, &known, hit.curvature.is_some());
         // Where the parameters are not known to the bit, the half-width holds what they leave open.
-        let kept = if parameters.iter().all(|t| t.is_exact()) { OWN_ROUNDING } else { 1.0 };
+        let kept = if known.is_exact() { OWN_ROUNDING } else { 1.0 };
         let local = Local::of(hit, frame);
         let mut first = None;
         for enclosure in enclosures.iter() {
             match self.inside(hit, &local, enclosure) {
                 Ok(shares) => {
                     self.packed_rightly(hit, &local, &widened(enclosure, kept))?;
+                    if !belongs {
+                        let detail = format!("(u, v) = {} is another place than {:?}", hit.uv, hit.local);
+                        return Err(Difference::new(Cause::Span, f64::INFINITY, detail));
+                    }
                     let shares = Shares { ambiguous: enclosures.is_ambiguous(), ..shares };
                     let radius = enclosure.position.map_or(f64::INFINITY, |s| radius(&s) * frame.scale);
                     return Ok(Evaluated { shares, radius });
@@ -125,15 +128,10 @@ impl Judge<'_> {
         let frame = &self.scene.frames[hit.face.0 as usize];
         let surface = self.model.surface(hit.face);
         let reversed = self.model.faces()[hit.face.0 as usize].reversed;
-        let mut first = None;
-        for span in self.spans(hit) {
-            let point = oriented(surface.inspect_on(span[0], span[1], hit.uv.x, hit.uv.y), reversed);
-            match self.is_packed(hit, frame, local.slack, enclosure, &point) {
-                Ok(()) => return Ok(()),
-                Err(difference) => first = first.or(Some(difference)),
-            }
-        }
-        Err(first.expect("a parameter has a span"))
+        let span = self.knot_spans(hit.face, enclosure.on.map(|on| on.span));
+        let t = DVec2::from_array(enclosure.on.map(|on| on.t.middle()));
+        let point = oriented(surface.inspect_local(span, t), reversed);
+        self.is_packed(hit, frame, local.slack, enclosure, &point)
     }
 
     fn is_packed(
@@ -168,23 +166,6 @@ impl Judge<'_> {
             }
         }
         Ok(())
-    }
-
-    /// The model's span of the parameters, then the ones across knots that narrowing may have moved past them.
-    fn spans(&self, hit: &Hit) -> impl Iterator<Item = [usize; 2]> {
-        let surface = self.model.surface(hit.face);
-        let one = |direction: Direction, t: f64| {
-            let knots = surface.knots(direction);
-            let all = knots.knots();
-            let farthest = all.iter().fold(0.0, |most: f64, k| most.max((k - knots.domain().0).abs()));
-            let slack = KNOT_ULPS * f64::from(f32::EPSILON) / 2.0 * farthest.max(knots.length());
-            let own = knots.find_span(t);
-            // Inside the slack every span between is possible: tiny ones that f32 cannot tell apart.
-            let near = move |&k: &usize| k != own && all[k] <= t + slack && t - slack <= all[k + 1];
-            std::iter::once(own).chain(knots.spans().filter(near))
-        };
-        let v = hit.uv.y;
-        one(Direction::U, hit.uv.x).flat_map(move |k| one(Direction::V, v).map(move |l| [k, l]))
     }
 }
 

@@ -5,9 +5,9 @@ use crate::pair::{Finding, Pair};
 use crate::tally::Tally;
 use crate::trim::{self, Place};
 use crate::{Cause, CompareError, Deviation, PairReport, PixelVerdict, Sampler, Shares, UNBOUNDED_SHARE, Unbounded};
-use gbuffer::{GBuffer, Hit};
+use gbuffer::{GBuffer, Hit, LocalParameters};
 use glam::{DVec2, DVec3};
-use nurbs::Direction;
+use nurbs::{Direction, Surface};
 use pipeline::sight::REACH_PX;
 use pipeline::{PackedScene, View};
 use rayon::prelude::*;
@@ -36,6 +36,8 @@ pub struct Judge<'m> {
     pub(crate) views: Vec<View>,
     pub(crate) unbounded_share: f64,
     pub(crate) attribution: Attribution<'m>,
+    /// Of each surface, the knot spans in u and v that are not empty.
+    spans: Vec<[Vec<usize>; 2]>,
 }
 
 /// A difference: cause, how many times over, in words.
@@ -57,7 +59,9 @@ impl<'m> Judge<'m> {
         let size = model.hull().diagonal();
         let attribution = Attribution::new(model);
         let views = scene.views(model, camera, viewport);
-        Self { model, camera, viewport, size, scene, views, unbounded_share: UNBOUNDED_SHARE, attribution }
+        let of_surface = |surface: &Surface| [Direction::U, Direction::V].map(|d| surface.knots(d).spans().collect());
+        let spans = model.surfaces().iter().map(of_surface).collect();
+        Self { model, camera, viewport, size, scene, views, unbounded_share: UNBOUNDED_SHARE, attribution, spans }
     }
 
     /// The same judge for a scene in which another share of the covered pixels may have no verdict for want of a bound.
@@ -320,6 +324,9 @@ impl<'m> Judge<'m> {
 
     /// Whether f64 tells places at a hit's parameters apart as well as f32 does on a Bézier piece of its own.
     pub(crate) fn holds_parameters(&self, hit: &Hit) -> Result<(), (Unbounded, String)> {
+        if self.local(hit).is_some() {
+            return Ok(());
+        }
         let surface = self.model.surface(hit.face);
         for (name, direction, t) in [("u", Direction::U, hit.uv.x), ("v", Direction::V, hit.uv.y)] {
             let knots = surface.knots(direction);
@@ -336,7 +343,22 @@ impl<'m> Judge<'m> {
 
     /// S in f64 at a hit's own parameters.
     pub(crate) fn surface_point(&self, hit: &Hit) -> DVec3 {
-        self.model.surface(hit.face).point(hit.uv.x, hit.uv.y)
+        let surface = self.model.surface(hit.face);
+        match self.local(hit) {
+            Some(LocalParameters { span, uv }) => surface.point_local(self.knot_spans(hit.face, span), uv),
+            None => surface.point(hit.uv.x, hit.uv.y),
+        }
+    }
+
+    /// A hit's local parameters, where it has some and they belong to its (u, v).
+    fn local(&self, hit: &Hit) -> Option<LocalParameters> {
+        hit.local.filter(|_| self.scene.frames[hit.face.0 as usize].belongs(hit))
+    }
+
+    /// The knot spans that have these numbers among those of a face that are not empty.
+    pub(crate) fn knot_spans(&self, face: FaceId, span: [u32; 2]) -> [usize; 2] {
+        let spans = &self.spans[self.model.faces()[face.0 as usize].surface];
+        [0, 1].map(|k| spans[k][span[k] as usize])
     }
 
     /// Picture position of a point, which may lie before the near plane by what a triangle may be off the surface.

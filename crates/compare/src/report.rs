@@ -307,3 +307,31 @@ pub(crate) fn keep_worst(pixels: &mut Vec<PixelReport>) {
         place <= WORST || *seen <= WORST_OF_CAUSE
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_agrees_only_over_something_and_within_every_share() {
+        let sound = Counts { covered: 1000, ..Counts::default() };
+        let cases = [
+            (sound, Verdict::Agree),
+            (Counts { undecided: 1, unanswered: 1, unbounded: 10, ..sound }, Verdict::Agree),
+            (Counts::default(), Verdict::NoVerdict),
+            (Counts { undecided: 2, ..sound }, Verdict::NoVerdict),
+            (Counts { unanswered: 2, ..sound }, Verdict::NoVerdict),
+            (Counts { unbounded: 11, ..sound }, Verdict::NoVerdict),
+            (Counts { differing: 1, unbounded: 999, ..sound }, Verdict::Differ),
+        ];
+        for (counts, expected) in cases {
+            let (verdict, why) = counts.verdict(1e-3, 1e-2);
+            assert_eq!(verdict, expected, "{counts:?}");
+            assert_eq!(why.is_some(), verdict == Verdict::NoVerdict, "{counts:?}: {why:?}");
+        }
+        // Not even where all of them may have no verdict, nor where a share is no number.
+        let none = Counts { unbounded: 1000, ..sound };
+        assert_eq!(none.verdict(1e-3, 1.0).0, Verdict::NoVerdict);
+        assert_eq!(Counts { unbounded: 1, ..sound }.verdict(1e-3, f64::NAN).0, Verdict::NoVerdict);
+    }
+}

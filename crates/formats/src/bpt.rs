@@ -31,7 +31,7 @@ use crate::error::shorten;
 use crate::place::Place;
 use glam::DVec3;
 use nurbs::{KnotVector, MAX_DEGREE, Surface};
-use scene::Model;
+use scene::{Model, escaped};
 
 /// Vertex numbers of a patch of the indexed form.
 const PATCH_INDICES: usize = 16;
@@ -126,11 +126,11 @@ impl<'a> Lines<'a> {
     }
 
     fn line_error(&self, line: usize, found: &str, expected: impl Into<String>) -> FormatError {
-        FormatError::Line { file: self.file.to_owned(), line, found: shorten(found), expected: expected.into() }
+        FormatError::Line { file: escaped(self.file), line, found: shorten(found), expected: expected.into() }
     }
 
     fn truncated(&self, expected: impl Into<String>) -> FormatError {
-        FormatError::Truncated { file: self.file.to_owned(), line: self.last, expected: expected.into() }
+        FormatError::Truncated { file: escaped(self.file), line: self.last, expected: expected.into() }
     }
 
     fn peek(&self, expected: &str) -> Result<&'a str, FormatError> {

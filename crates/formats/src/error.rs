@@ -1,12 +1,13 @@
 //! What can be wrong with a model file.
 
 use nurbs::NurbsError;
-use scene::SceneError;
+use scene::{SceneError, escaped};
 
 /// Why a file could not be read or a model could not be written.
 ///
 /// `file` is the path as it was given; where a model is written, its name. `path` names a member of a JSON document
-/// (`surfaces[3].knots_u`). Values quoted from the file are shortened to 80 characters.
+/// (`surfaces[3].knots_u`). Values quoted from the file are shortened to 80 characters, and escaped ([`scene::escaped`])
+/// as the path is.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
@@ -45,7 +46,7 @@ pub enum FormatError {
         value: u8,
     },
     /// Neither the extension nor the content is that of a known format.
-    #[error("{file}: neither JSON, which starts with '{{', nor .bpt, which starts with a count: it starts {start:?}")]
+    #[error("{file}: neither JSON, which starts with '{{', nor .bpt, which starts with a count: it starts \"{start}\"")]
     UnknownFormat {
         /// The file.
         file: String,
@@ -129,7 +130,7 @@ pub enum FormatError {
         cause: SceneError,
     },
     /// A line of a .bpt file is not what it should be.
-    #[error("{file}: line {line}: found {found:?} where {expected} should be")]
+    #[error("{file}: line {line}: found \"{found}\" where {expected} should be")]
     Line {
         /// The file.
         file: String,
@@ -153,16 +154,16 @@ pub enum FormatError {
 }
 
 fn near_text(near: &str) -> String {
-    if near.is_empty() { String::new() } else { format!(", near {near:?}") }
+    if near.is_empty() { String::new() } else { format!(", near \"{near}\"") }
 }
 
 /// The longest quotation from a file in a message, in characters.
 const LONGEST_QUOTE: usize = 80;
 
-/// `text`, or its start and an ellipsis.
+/// `text`, or its start and an ellipsis, made fit to print.
 pub(crate) fn shorten(text: &str) -> String {
     match text.char_indices().nth(LONGEST_QUOTE) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
+        Some((end, _)) => format!("{}…", escaped(&text[..end])),
+        None => escaped(text),
     }
 }

@@ -7,16 +7,31 @@
 //!  "faces": [{"surface": k, "reversed": false, "tolerance": t,
 //!             "loops": [{"outer": true, "trims": [
 //!                {"degree": p, "knots": [..], "points": [[u, v], ..], "weights": [..],
-//!                 "reversed": false, "seam": false, "degenerate": false, "edge": id}]}]}]}
+//!                 "reversed": false, "seam": false, "degenerate": false, "edge": id,
+//!                 "edge_tolerance": t, "vertex_tolerance": t}]}]}]}
 //! ```
 //!
 //! Points are Euclidean, not multiplied by their weights; index i m + j, i along u. Knot vectors have all n + p + 1
 //! knots and may be unclamped. Trims stand in loop order; `reversed` says that the loop runs the curve backwards; with
 //! the face's own orientation removed, material is on the left of the loop. A face without loops is its whole surface.
 //!
+//! Tolerances are in model units. `vertex_tolerance` is that of the vertex at which the loop enters the trim: the radius of
+//! a ball in which both edges end, so that a gap of twice that is healed. A gap is healed, too, up to the tolerance of the
+//! face and of both edges, and up to 1e-7 of the model's greatest coordinate. Where a face has a tolerance and the vertex
+//! none, a wider gap is closed up to 1e-3 of its loop's size, and noted: files lose the vertices' tolerances more often
+//! than the faces'. Both keys may also stand in a face, for those of its trims that have none.
+//!
+//! A face whose loops bound no region is left out, the others are drawn, and [`Model::notes`] says why: which face, loop and
+//! trim. A model of which no face is left is refused, and so is a file with a wrong number, count or key anywhere.
+//!
+//! Inside a knot vector a knot may occur p + 1 times: Bézier pieces in a row. Where the two points there are one, so is the
+//! spline; where they are two, the surface is cut into several, and its faces with it, which is noted. A torn trim is refused.
+//!
 //! May be absent or null: `name` (then the file's name), `faces` (then one whole face a surface), `weights` (then
-//! polynomial), `tolerance` (0), `loops` (none), `edge`, and the flags `reversed`, `seam` and `degenerate` (false).
-//! Keys in any order; unknown keys are ignored; a known key given twice is refused. Counts may be written `3.0`.
+//! polynomial), `tolerance` and `edge_tolerance` (0), `vertex_tolerance` (unknown), `loops` (none), `edge`, and the flags
+//! `reversed`, `seam` and `degenerate` (false). Keys in any order; a key given twice is refused, and so is one that is not
+//! named here, lest a slip in a name pass for an absent key. Read over are only `view` and `meta` of the document and
+//! `pixel` of a face, which `cargo xtask scene` adds. Counts may be written `3.0`.
 //!
 //! Two extensions, both understood when read and never written:
 //!
@@ -27,6 +42,7 @@
 //!   of n spans, whatever the convention. The knots are unrolled by [`KnotVector::periodic`], and the first p points
 //!   repeated after the last.
 
+mod pieces;
 mod raw;
 mod write;
 
@@ -35,8 +51,10 @@ use crate::place::Place;
 use crate::wrap::wrap;
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, NurbsError, Surface};
+use pieces::{Cut, Net};
 use raw::{Convention, Format, RawDocument, RawFace, RawLoop, RawSurface, RawTrim, Version};
-use scene::{Face, Loop, Model, Trim};
+use scene::{Face, Loop, Model, Note, SceneError, Trim};
+use std::ops::Range;
 use std::path::Path;
 
 pub use write::write;
@@ -47,6 +65,9 @@ const FORMAT: &str = "nurbs-neutral";
 /// The value of `version`.
 const VERSION: u64 = 1;
 
+/// The most faces and trims that stand in no file, but are copies for the parts of torn surfaces.
+const COPIED: usize = 100_000;
+
 /// Reads a model from JSON text; `file` names it in messages, and its last component names a model without a name.
 ///
 /// # Errors
@@ -54,25 +75,59 @@ const VERSION: u64 = 1;
 /// [`FormatError::Count`], [`FormatError::Nurbs`] and [`FormatError::Scene`] with the member.
 pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
     let place = Place::document(file);
-    let RawDocument { format: Format, version: Version, surfaces: raw_surfaces, name, knot_convention, faces } =
-        raw::parse(text, file)?;
+    let RawDocument {
+        format: Format,
+        version: Version,
+        surfaces: raw_surfaces,
+        name,
+        knot_convention,
+        faces: faces_of_file,
+    } = raw::parse(text, file)?;
     let convention = knot_convention.unwrap_or(Convention::Full);
     if raw_surfaces.is_empty() {
         return Err(place.key("surfaces").value("[]", "at least one surface"));
     }
     let mut surfaces = Vec::with_capacity(raw_surfaces.len());
+    // Where the surfaces begin that a surface of the file was cut into, and where they end.
+    let mut parts: Vec<Range<usize>> = vec![];
+    let mut notes = vec![];
     for (i, surface) in raw_surfaces.into_iter().enumerate() {
-        surfaces.push(build_surface(surface, convention, &place.key("surfaces").index(i))?);
+        let first = surfaces.len();
+        let cuts = build_surface(surface, convention, &place.key("surfaces").index(i), &mut surfaces)?;
+        let note =
+            |cut: Cut| Note::SurfaceCut { surface: i, parameter: ['u', 'v'][cut.axis], at: cut.at, apart: cut.apart };
+        notes.extend(cuts.into_iter().map(note));
+        parts.push(first..surfaces.len());
     }
     let name = name.unwrap_or_else(|| file_name(file));
-    let Some(raw_faces) = faces else {
-        return Model::of_surfaces(name, surfaces).map_err(|cause| place.scene(cause));
-    };
-    let mut faces = Vec::with_capacity(raw_faces.len());
-    for (i, face) in raw_faces.into_iter().enumerate() {
-        faces.push(build_face(face, convention, &place.key("faces").index(i))?);
+    let mut faces = vec![];
+    match faces_of_file {
+        None => {
+            for (i, part) in parts.iter().enumerate() {
+                faces.extend(part.clone().map(|surface| (i, Face::whole(surface))));
+            }
+        }
+        Some(raw_faces) => {
+            let mut copied = 0;
+            for (i, face) in raw_faces.into_iter().enumerate() {
+                let face = build_face(face, convention, &place.key("faces").index(i))?;
+                let Some(part) = parts.get(face.surface) else {
+                    let (surface, count) = (face.surface, parts.len());
+                    return Err(place.scene(SceneError::NoSuchSurface { face: i, surface, count }));
+                };
+                let trims: usize = face.loops.iter().map(|boundary| boundary.trims.len()).sum();
+                copied += (part.len() - 1) * (1 + trims);
+                if COPIED < copied {
+                    let place = place.key("surfaces").index(face.surface);
+                    return Err(
+                        place.value(format!("torn into {} parts", part.len()), "fewer for so many faces and trims")
+                    );
+                }
+                faces.extend(part.clone().map(|surface| (i, Face { surface, ..face.clone() })));
+            }
+        }
     }
-    Model::new(name, surfaces, faces).map_err(|cause| place.scene(cause))
+    Model::of_sound_faces(name, surfaces, faces, notes).map_err(|cause| place.scene(cause))
 }
 
 /// The last component of a path.
@@ -80,33 +135,45 @@ pub(crate) fn file_name(file: &str) -> String {
     Path::new(file).file_name().map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Checks the number of knots for `count` control points and builds the vector.
-fn build_knots(
+/// Checks the number of knots for `count` control points, and adds those that the convention leaves out.
+fn full_knots(
     degree: usize,
     knots: Vec<f64>,
     count: usize,
     convention: Convention,
     place: &Place,
-) -> Result<KnotVector, FormatError> {
+) -> Result<Vec<f64>, FormatError> {
     // Saturating: no list has usize::MAX entries, so that an overflow is found to be a wrong count.
     let order = degree + 1;
     match convention {
         Convention::Full => {
             place.count(knots.len(), count.saturating_add(order), "the degree and the number of points (n + p + 1)")?;
-            KnotVector::new(degree, knots).map_err(|cause| place.nurbs(cause))
+            Ok(knots)
         }
         Convention::Short => {
             let expected = count.saturating_add(order) - 2;
             place.count(knots.len(), expected, "the degree and the number of points (n + p - 1, short convention)")?;
             let ends = knots.first().zip(knots.last()).map(|(first, last)| [[*first], [*last]]);
-            let knots = ends.map_or(vec![], |[first, last]| [&first, knots.as_slice(), &last].concat());
-            let place = place.remark("with its end knots added");
-            KnotVector::new(degree, knots).map_err(|cause| place.nurbs(cause))
+            Ok(ends.map_or(vec![], |[first, last]| [&first, knots.as_slice(), &last].concat()))
         }
     }
 }
 
-fn build_surface(raw: RawSurface, inherited: Convention, place: &Place) -> Result<Surface, FormatError> {
+/// The place of a list of knots, with what was done to it.
+fn knots_place<'a>(convention: Convention, place: &Place<'a>) -> Place<'a> {
+    match convention {
+        Convention::Full => place.clone(),
+        Convention::Short => place.remark("with its end knots added"),
+    }
+}
+
+/// Adds the surface, or the surfaces that it has to be cut into, to `surfaces`; returns where it is torn.
+fn build_surface(
+    raw: RawSurface,
+    inherited: Convention,
+    place: &Place,
+    surfaces: &mut Vec<Surface>,
+) -> Result<Vec<Cut>, FormatError> {
     let convention = raw.knot_convention.unwrap_or(inherited);
     let (degree, counts) = (raw.degree.map(|d| d.0), [raw.nu.0, raw.nv.0]);
     let periodic = raw.periodic.unwrap_or([false; 2]);
@@ -120,25 +187,54 @@ fn build_surface(raw: RawSurface, inherited: Convention, place: &Place) -> Resul
     if let Some(weights) = &raw.weights {
         place.key("weights").count(weights.len(), expected, "nu and nv")?;
     }
+    let keys = ["knots_u", "knots_v"].map(|key| place.key(key));
+    let points: Vec<DVec3> = raw.points.into_iter().map(DVec3::from_array).collect();
+    let weights = raw.weights;
+    if periodic == [false; 2] {
+        let [u, v] = [raw.knots_u, raw.knots_v];
+        let knots = [
+            full_knots(degree[0], u, counts[0], convention, &keys[0])?,
+            full_knots(degree[1], v, counts[1], convention, &keys[1])?,
+        ];
+        let keys = keys.map(|key| knots_place(convention, &key));
+        let (nets, cuts) = pieces::parts(Net { degree, knots, counts, points, weights });
+        let remark = (nets.len() > 1).then_some("cut at its knots of full multiplicity");
+        for Net { degree, knots, points, weights, .. } in nets {
+            let mut vectors = vec![];
+            for ((degree, knots), key) in degree.into_iter().zip(knots).zip(&keys) {
+                vectors.push(KnotVector::new(degree, knots).map_err(|cause| key.nurbs(cause))?);
+            }
+            surfaces.push(checked_surface(vectors, points, weights, remark, place)?);
+        }
+        return Ok(cuts);
+    }
     let mut vectors = vec![];
-    for (d, (knots, key)) in [(raw.knots_u, "knots_u"), (raw.knots_v, "knots_v")].into_iter().enumerate() {
-        let place = place.key(key);
-        vectors.push(if periodic[d] {
+    for (d, (knots, place)) in [raw.knots_u, raw.knots_v].into_iter().zip(keys).enumerate() {
+        let vector = if periodic[d] {
             let reason = "the number of points of the period (n + 1)";
             place.count(knots.len(), counts[d].saturating_add(1), reason)?;
             let place = place.remark("unrolled from its period");
-            KnotVector::periodic(degree[d], &knots).map_err(|cause| place.nurbs(cause))?
+            KnotVector::periodic(degree[d], &knots).map_err(|cause| place.nurbs(cause))
         } else {
-            build_knots(degree[d], knots, counts[d], convention, &place)?
-        });
+            let knots = full_knots(degree[d], knots, counts[d], convention, &place)?;
+            KnotVector::new(degree[d], knots).map_err(|cause| knots_place(convention, &place).nurbs(cause))
+        };
+        vectors.push(vector?);
     }
-    let mut points: Vec<DVec3> = raw.points.into_iter().map(DVec3::from_array).collect();
-    let mut weights = raw.weights;
-    if periodic != [false; 2] {
-        let wraps = [0, 1].map(|d| periodic[d].then_some(degree[d]));
-        points = wrap(&points, counts, wraps);
-        weights = weights.map(|w| wrap(&w, counts, wraps));
-    }
+    let wraps = [0, 1].map(|d| periodic[d].then_some(degree[d]));
+    let points = wrap(&points, counts, wraps);
+    let weights = weights.map(|w| wrap(&w, counts, wraps));
+    surfaces.push(checked_surface(vectors, points, weights, Some("with its period repeated"), place)?);
+    Ok(vec![])
+}
+
+fn checked_surface(
+    vectors: Vec<KnotVector>,
+    points: Vec<DVec3>,
+    weights: Option<Vec<f64>>,
+    remark: Option<&str>,
+    place: &Place,
+) -> Result<Surface, FormatError> {
     let [knots_u, knots_v] = vectors.try_into().expect("one vector a direction");
     Surface::new(knots_u, knots_v, points, weights).map_err(|cause| {
         let key = match cause {
@@ -146,14 +242,15 @@ fn build_surface(raw: RawSurface, inherited: Convention, place: &Place) -> Resul
             _ => "points",
         };
         let place = place.key(key);
-        if periodic == [false; 2] { place.nurbs(cause) } else { place.remark("with its period repeated").nurbs(cause) }
+        remark.map_or(place.clone(), |remark| place.remark(remark)).nurbs(cause)
     })
 }
 
 fn build_face(raw: RawFace, convention: Convention, place: &Place) -> Result<Face, FormatError> {
+    let usual = Usual { convention, edge_tolerance: raw.edge_tolerance, vertex_tolerance: raw.vertex_tolerance };
     let mut loops = vec![];
     for (i, raw) in raw.loops.unwrap_or_default().into_iter().enumerate() {
-        loops.push(build_loop(raw, convention, &place.key("loops").index(i))?);
+        loops.push(build_loop(raw, &usual, &place.key("loops").index(i))?);
     }
     let face = Face {
         surface: raw.surface.0,
@@ -165,25 +262,41 @@ fn build_face(raw: RawFace, convention: Convention, place: &Place) -> Result<Fac
     Ok(face)
 }
 
-fn build_loop(raw: RawLoop, convention: Convention, place: &Place) -> Result<Loop, FormatError> {
+/// What holds for all trims of a face that say nothing else.
+struct Usual {
+    convention: Convention,
+    edge_tolerance: Option<f64>,
+    vertex_tolerance: Option<f64>,
+}
+
+fn build_loop(raw: RawLoop, usual: &Usual, place: &Place) -> Result<Loop, FormatError> {
     let mut trims = vec![];
     for (i, raw) in raw.trims.into_iter().enumerate() {
-        trims.push(build_trim(raw, convention, &place.key("trims").index(i))?);
+        trims.push(build_trim(raw, usual, &place.key("trims").index(i))?);
     }
     Ok(Loop { outer: raw.outer, trims })
 }
 
-fn build_trim(raw: RawTrim, inherited: Convention, place: &Place) -> Result<Trim, FormatError> {
-    let convention = raw.knot_convention.unwrap_or(inherited);
-    let points: Vec<DVec2> = raw.points.into_iter().map(DVec2::from_array).collect();
+fn build_trim(raw: RawTrim, usual: &Usual, place: &Place) -> Result<Trim, FormatError> {
+    let convention = raw.knot_convention.unwrap_or(usual.convention);
+    let degree = raw.degree.0;
+    let mut points: Vec<DVec2> = raw.points.into_iter().map(DVec2::from_array).collect();
+    let mut weights = raw.weights;
+    let place = place.key("knots");
+    let mut knots = full_knots(degree, raw.knots, points.len(), convention, &place)?;
+    pieces::merge(degree, &mut knots, &mut points, weights.as_mut());
     Ok(Trim {
-        knots: build_knots(raw.degree.0, raw.knots, points.len(), convention, &place.key("knots"))?,
-        points,
-        weights: raw.weights,
         reversed: raw.reversed.unwrap_or(false),
         seam: raw.seam.unwrap_or(false),
         degenerate: raw.degenerate.unwrap_or(false),
         edge: raw.edge,
+        edge_tolerance: raw.edge_tolerance.or(usual.edge_tolerance).unwrap_or(0.0),
+        vertex_tolerance: raw.vertex_tolerance.or(usual.vertex_tolerance),
+        ..Trim::new(
+            KnotVector::new(degree, knots).map_err(|cause| knots_place(convention, &place).nurbs(cause))?,
+            points,
+            weights,
+        )
     })
 }
 
@@ -205,6 +318,12 @@ fn check_face(face: &Face, place: &Place) -> Result<(), FormatError> {
 }
 
 fn check_trim(trim: &Trim, place: &Place) -> Result<(), FormatError> {
+    let tolerances = [("edge_tolerance", Some(trim.edge_tolerance)), ("vertex_tolerance", trim.vertex_tolerance)];
+    for (key, tolerance) in tolerances {
+        if let Some(tolerance) = tolerance.filter(|t| !(*t >= 0.0 && t.is_finite())) {
+            return Err(place.key(key).value(tolerance, "a finite number not below 0"));
+        }
+    }
     let expected = trim.knots.control_count();
     let points = place.key("points");
     points.count(trim.points.len(), expected, "the degree and the knots")?;

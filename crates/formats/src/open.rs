@@ -3,7 +3,7 @@
 use crate::error::shorten;
 use crate::{FormatError, bpt, json};
 use files::ReadError;
-use scene::Model;
+use scene::{Model, escaped};
 use std::path::Path;
 
 /// The largest file that is opened, in bytes: 1 GiB.
@@ -20,16 +20,17 @@ pub const MAX_FILE_BYTES: u64 = 1 << 30;
 /// [`FormatError::UnknownFormat`], and what the format's own reader says.
 pub fn read(path: impl AsRef<Path>) -> Result<Model, FormatError> {
     let path = path.as_ref();
-    let file = path.display().to_string();
+    let name = path.display().to_string();
+    let file = escaped(&name);
     let text = read_text(path, &file)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
-        Some("json") => json::parse(text, &file),
-        Some("bpt") => bpt::parse(text, &file),
-        _ if text.trim_start().starts_with('{') => json::parse(text, &file),
+        Some("json") => json::parse(text, &name),
+        Some("bpt") => bpt::parse(text, &name),
+        _ if text.trim_start().starts_with('{') => json::parse(text, &name),
         _ if text.lines().map(str::trim).find(|l| !l.is_empty()).is_some_and(|l| l.parse::<usize>().is_ok()) => {
-            bpt::parse(text, &file)
+            bpt::parse(text, &name)
         }
         _ => Err(FormatError::UnknownFormat { file, start: shorten(text.lines().next().unwrap_or_default()) }),
     }

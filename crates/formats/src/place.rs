@@ -3,6 +3,7 @@
 use crate::FormatError;
 use crate::error::shorten;
 use nurbs::NurbsError;
+use scene::escaped;
 use std::fmt::Display;
 
 /// A member of a document.
@@ -39,19 +40,19 @@ impl<'a> Place<'a> {
         if found == expected {
             return Ok(());
         }
-        let (file, path) = (self.file.to_owned(), self.path.clone());
+        let (file, path) = (escaped(self.file), self.path.clone());
         Err(FormatError::Count { file, path, found, expected, reason })
     }
 
     /// The value here is not allowed.
     pub fn value(&self, value: impl Display, expected: &'static str) -> FormatError {
         let value = shorten(&value.to_string());
-        FormatError::Value { file: self.file.to_owned(), path: self.path.clone(), value, expected }
+        FormatError::Value { file: escaped(self.file), path: self.path.clone(), value, expected }
     }
 
     /// The numbers here do not make a spline.
     pub fn nurbs(&self, cause: NurbsError) -> FormatError {
-        FormatError::Nurbs { file: self.file.to_owned(), path: self.path.clone(), cause }
+        FormatError::Nurbs { file: escaped(self.file), path: self.path.clone(), cause }
     }
 
     /// The surfaces and faces do not make a model; this is the document.
@@ -60,6 +61,6 @@ impl<'a> Place<'a> {
             scene::SceneError::NoSuchSurface { face, .. } => self.key("faces").index(face).key("surface"),
             _ => self.key("faces"),
         };
-        FormatError::Scene { file: place.file.to_owned(), path: place.path, cause }
+        FormatError::Scene { file: escaped(place.file), path: place.path, cause }
     }
 }

@@ -84,6 +84,7 @@ fn first_hit(ray: &Ray) -> Option<Hit> {
     Some(Hit {
         face: FaceId(face),
         uv,
+        local: None,
         t,
         position: p,
         normal: Normal::Regular(normal),

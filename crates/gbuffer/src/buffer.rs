@@ -140,6 +140,11 @@ impl GBuffer {
         self.edges
     }
 
+    /// Whether every hit, of which there are some, has parameters local to its spans.
+    pub fn has_local(&self) -> bool {
+        !self.hits.is_empty() && self.hits.iter().all(|hit| hit.local.is_some())
+    }
+
     /// The size.
     pub fn viewport(&self) -> Viewport {
         self.viewport

@@ -11,6 +11,8 @@ pub struct Hit {
     pub face: FaceId,
     /// Parameters in the surface's own knot domain.
     pub uv: DVec2,
+    /// The same place by its knot spans, exactly; `None` where the renderer knows no more than `uv`.
+    pub local: Option<LocalParameters>,
     /// Distance of the point along the pixel's unit ray, (S − o) · d, model units.
     pub t: f64,
     /// S(u, v) as the renderer evaluated it, world coordinates, model units.
@@ -26,6 +28,15 @@ pub struct Hit {
     ///
     /// `None` where no edge is that near, and where edges were not asked for ([`GBuffer::has_edges`](crate::GBuffer::has_edges)).
     pub edge: Option<DVec2>,
+}
+
+/// Parameters local to a Bézier piece: f64 may not hold them in a knot domain that lies far from zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalParameters {
+    /// The knot spans in u and v, counted from 0 among those that are not empty.
+    pub span: [u32; 2],
+    /// 0 … 1 across the spans.
+    pub uv: DVec2,
 }
 
 /// How far from a pixel's centre trim edges are recorded, pixels, in any direction.

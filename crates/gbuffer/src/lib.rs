@@ -16,7 +16,7 @@ mod shade;
 
 pub use buffer::{GBuffer, Meta, Trims};
 pub use error::GBufferError;
-pub use hit::{EDGE_REACH_PX, Hit, PrincipalCurvatures};
+pub use hit::{EDGE_REACH_PX, Hit, LocalParameters, PrincipalCurvatures};
 pub use picture::Picture;
 pub use resolve::{Mixture, coverage};
 pub use shade::{ShadeInput, ShadeKind, ShadeUniform, Shading, background, shade_pixel, shade_tolerant, unorm8};

@@ -9,6 +9,8 @@
 //! | `hit` | u8 | 1 where the pixel sees a point, else 0 | 0 | `face` is not −1 |
 //! | `face` | i32 | number of the face | −1 | refused |
 //! | `u`, `v` | f64 | parameters in the surface's own knot domain | NaN | refused |
+//! | `span` | i32, H × W × 2 | knot spans in u and v, counted from 0 among those that are not empty | −1 | no local parameters |
+//! | `local` | f64, H × W × 2 | u and v across those spans, 0 … 1 | NaN | absent with `span` |
 //! | `t` | f64 | distance along the pixel's unit ray, model units | NaN | computed from `pos` and `meta`'s camera |
 //! | `pos` | f64, H × W × 3 | the point, world coordinates | NaN | refused |
 //! | `normal` | f64, H × W × 3 | unit normal; NaN where its status is undefined | NaN | refused |
@@ -119,6 +121,10 @@ impl GBuffer {
         archive.pixels("face", "<i4", |hit| hit.map_or(-1, |h| h.face.0 as i32).to_le_bytes())?;
         archive.numbers("u", |hit| hit.uv.x)?;
         archive.numbers("v", |hit| hit.uv.y)?;
+        if self.has_local() {
+            archive.spans()?;
+            archive.vectors("local", |hit| hit.local.map_or(DVec2::NAN, |local| local.uv).to_array())?;
+        }
         archive.numbers("t", |hit| hit.t)?;
         archive.vectors("pos", |hit| hit.position.to_array())?;
         archive.vectors("normal", |hit| hit.normal.unit().unwrap_or(DVec3::NAN).to_array())?;
@@ -208,6 +214,18 @@ impl<W: Write + Seek> Archive<'_, W> {
             }
         }
         self.zip.write_all(&chunk)
+    }
+
+    fn spans(&mut self) -> io::Result<()> {
+        let viewport = self.buffer.viewport();
+        let bytes: Vec<u8> = self
+            .buffer
+            .pixels()
+            .flat_map(|hit| hit.and_then(|hit| hit.local).map_or([-1; 2], |local| local.span.map(|k| k as i32)))
+            .flat_map(i32::to_le_bytes)
+            .collect();
+        self.start("span", Header::new("<i4", shape(viewport, Some(2))), bytes.len() as u64)?;
+        self.zip.write_all(&bytes)
     }
 
     fn undecided(&mut self) -> io::Result<()> {

@@ -42,6 +42,7 @@ fn sample() -> GBuffer {
         let hit = Hit {
             face: FaceId(if i == 3 { i32::MAX as u32 } else { i as u32 }),
             uv: DVec2::new(-0.0, x / 3.0),
+            local: None,
             t: f64::MIN_POSITIVE / 2.0 + x,
             position: DVec3::new(x.sqrt(), -x / 7.0, f64::MAX),
             normal,
@@ -172,6 +173,7 @@ fn a_file_that_numpy_wrote_is_read() {
         Some(&Hit {
             face: FaceId(7),
             uv: DVec2::new(0.1, 0.25),
+            local: None,
             t: 1.5,
             position: DVec3::new(1.0, 2.0, 3.0),
             normal: Normal::Regular(DVec3::Z),

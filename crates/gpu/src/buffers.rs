@@ -142,8 +142,8 @@ impl ProxyBuffers {
 }
 
 /// Attributes of a [`Vertex`], by location of `VertexInput` in `shaders/entry.wgsl`.
-pub(crate) const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
-    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Uint32, 3 => Float32x3];
+pub(crate) const ATTRIBUTES: [wgpu::VertexAttribute; 5] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Uint32, 3 => Uint32x2, 4 => Float32x3];
 
 /// Vertices as the device fetches them.
 pub(crate) fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
@@ -251,6 +251,7 @@ mod tests {
             offset_of!(Vertex, position),
             offset_of!(Vertex, uv),
             offset_of!(Vertex, face),
+            offset_of!(Vertex, span),
             offset_of!(Vertex, normal),
         ];
         assert_eq!(offsets, expected);

@@ -8,7 +8,7 @@ use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
 use pipeline::fragment::Fragment;
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, Program, Technique};
+use pipeline::{PackedScene, Parameters, Program, Technique};
 use wgpu::{BufferBindingType, ShaderStages};
 
 /// The compute entry point `probe`, to stand behind any [`wgsl::source`].
@@ -33,11 +33,12 @@ const MATERIAL: u32 = 0x100;
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 struct Query {
     uv: [f32; 2],
+    span: [u32; 2],
     face: u32,
     padding: u32,
 }
 
-/// Runs `program` with curvature for each (face, local (u, v)), and returns its answers in order.
+/// Runs `program` with curvature for each face and place of it, and returns its answers in order.
 ///
 /// The queries' faces must be of that program. It is the same text as a renderer's, but the driver compiles it for
 /// another stage.
@@ -49,7 +50,7 @@ pub fn probe(
     device: &Device,
     scene: &PackedScene,
     program: Program,
-    queries: &[(u32, [f32; 2])],
+    queries: &[(u32, Parameters)],
 ) -> Result<Vec<Fragment>, GpuError> {
     let plain = |mut record: Record| {
         record.identity[1] &= !MATERIAL;
@@ -58,7 +59,7 @@ pub fn probe(
     Ok(answers(device, scene, program, queries)?.into_iter().map(plain).collect())
 }
 
-/// Whether the face has material, for each (face, local (u, v)) in order: the trimming of `program`, asked as [`probe()`]
+/// Whether the face has material, for each face and (u, v) of its whole domain, 0 … 1, in order: the trimming of `program`, asked as [`probe()`]
 /// asks the rest of it.
 ///
 /// # Errors
@@ -70,14 +71,15 @@ pub fn probe_material(
     queries: &[(u32, [f32; 2])],
 ) -> Result<Vec<bool>, GpuError> {
     let is_material = |record: Record| record.identity[1] & MATERIAL != 0;
-    Ok(answers(device, scene, program, queries)?.into_iter().map(is_material).collect())
+    let queries: Vec<_> = queries.iter().map(|&(face, uv)| (face, Parameters::searched(uv))).collect();
+    Ok(answers(device, scene, program, &queries)?.into_iter().map(is_material).collect())
 }
 
 fn answers(
     device: &Device,
     scene: &PackedScene,
     program: Program,
-    queries: &[(u32, [f32; 2])],
+    queries: &[(u32, Parameters)],
 ) -> Result<Vec<Record>, GpuError> {
     let of_program = |face: u32| scene.programs.get(face as usize) == Some(&program);
     if let Some(index) = queries.iter().position(|&(face, _)| !of_program(face)) {
@@ -144,9 +146,10 @@ fn dispatch(
     buffers: &SceneBuffers,
     pipeline: &wgpu::ComputePipeline,
     layout: &wgpu::BindGroupLayout,
-    queries: &[(u32, [f32; 2])],
+    queries: &[(u32, Parameters)],
 ) -> Result<Vec<Record>, GpuError> {
-    let questions: Vec<Query> = queries.iter().map(|&(face, uv)| Query { uv, face, padding: 0 }).collect();
+    let question = |&(face, Parameters { span, uv }): &(u32, Parameters)| Query { uv, span, face, padding: 0 };
+    let questions: Vec<Query> = queries.iter().map(question).collect();
     let mut words = vec![UNANSWERED; questions.len() * size_of::<Record>() / 4];
     let asked = device.storage("probe queries", bytemuck::cast_slice(&questions))?;
     let answered = device.storage("probe answers", bytemuck::cast_slice(&words))?;
@@ -188,7 +191,7 @@ mod tests {
             let TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
             (*span as usize, members.iter().map(|m| m.offset as usize).collect::<Vec<_>>())
         };
-        assert_eq!(members("ProbeQuery"), (size_of::<Query>(), vec![0, 8, 12]));
+        assert_eq!(members("ProbeQuery"), (size_of::<Query>(), vec![0, 8, 16, 20]));
         assert_eq!(members("ProbeAnswer"), (size_of::<Record>(), vec![0, 16, 32, 48]));
         let (_, material) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some("MATERIAL")).unwrap();
         assert_eq!(module.global_expressions[material.init], naga::Expression::Literal(naga::Literal::U32(MATERIAL)));

@@ -17,9 +17,6 @@ pub(crate) struct Basis<const CAPACITY: usize> {
 
 /// Values, first and (where `SECOND`) second derivatives by the inverse triangle.
 ///
-/// Piegl & Tiller, A2.2, with reciprocals of the knot differences from the knot vector. The terms N / (U − U) of
-/// column p are the terms of their Eq. (2.7), so N' costs one subtraction; column p − 1 gives N'' likewise.
-/// (Kanai's English Eq. (6) prints a plus sign between the two terms; the Japanese text has the minus.)
 /// Each value is within 3 p ulp of the exact value for these knots, relative to itself (sums of positive terms).
 #[inline(always)]
 pub(crate) fn basis<const CAPACITY: usize, const SECOND: bool>(
@@ -31,6 +28,45 @@ pub(crate) fn basis<const CAPACITY: usize, const SECOND: bool>(
     debug_assert!(p < CAPACITY && p == knots.degree());
     let u = &knots.knots()[span + 1 - p..=span + p];
     let reciprocal = knots.span_reciprocals(span);
+    triangle::<CAPACITY, SECOND>(p, |i| u[i] - t, |i| reciprocal[i])
+}
+
+/// As [`basis`], at `t` in 0 to 1 of the span: derivatives are by the knots' own parameter all the same.
+///
+/// Knots count from the span's first and in units of its length, so that neither a domain far from zero nor a short span
+/// takes a digit from `t`: a knot difference is rounded once, to half an ulp of itself. Each value is within 5 p ulp.
+#[inline(always)]
+pub(crate) fn basis_local<const CAPACITY: usize, const SECOND: bool>(
+    knots: &KnotVector,
+    p: usize,
+    span: usize,
+    t: f64,
+) -> Basis<CAPACITY> {
+    debug_assert!(p < CAPACITY && p == knots.degree());
+    let (start, length) = knots.span(span);
+    let u = &knots.knots()[span + 1 - p..=span + p];
+    let reciprocal = knots.span_reciprocals(span);
+    let mut basis = triangle::<CAPACITY, SECOND>(p, |i| (u[i] - start) / length - t, |i| reciprocal[i] * length);
+    for r in 0..=p {
+        basis.first[r] /= length;
+        // Not by the square, which may underflow where the quotient does not overflow.
+        basis.second[r] = basis.second[r] / length / length;
+    }
+    basis
+}
+
+/// The inverse triangle: `ahead` is by how much each of the 2 p knots about the span exceeds the parameter, `reciprocal`
+/// those of the knot differences, by column and row, in the same unit.
+///
+/// Piegl & Tiller, A2.2, with reciprocals of the knot differences from the knot vector. The terms N / (U − U) of
+/// column p are the terms of their Eq. (2.7), so N' costs one subtraction; column p − 1 gives N'' likewise.
+/// (Kanai's English Eq. (6) prints a plus sign between the two terms; the Japanese text has the minus.)
+#[inline(always)]
+fn triangle<const CAPACITY: usize, const SECOND: bool>(
+    p: usize,
+    ahead: impl Fn(usize) -> f64,
+    reciprocal: impl Fn(usize) -> f64,
+) -> Basis<CAPACITY> {
     let mut value = [0.0; CAPACITY];
     let mut first = [0.0; CAPACITY];
     let mut second = [0.0; CAPACITY];
@@ -41,9 +77,9 @@ pub(crate) fn basis<const CAPACITY: usize, const SECOND: bool>(
         let mut saved = 0.0;
         for r in 0..j {
             // right[r+1] = U[span+r+1] − t, left[j−r] = t − U[span+1−j+r]
-            term[r] = value[r] * reciprocal[column + r];
-            value[r] = saved + (u[p + r] - t) * term[r];
-            saved = (t - u[p + r - j]) * term[r];
+            term[r] = value[r] * reciprocal(column + r);
+            value[r] = saved + ahead(p + r) * term[r];
+            saved = -ahead(p + r - j) * term[r];
         }
         value[j] = saved;
         column += j;
@@ -57,7 +93,7 @@ pub(crate) fn basis<const CAPACITY: usize, const SECOND: bool>(
         let last = column - p;
         let mut carried = 0.0;
         for r in 0..p {
-            let scaled = second[r] * reciprocal[last + r];
+            let scaled = second[r] * reciprocal(last + r);
             second[r] = p as f64 * (carried - scaled);
             carried = scaled;
         }
@@ -81,18 +117,36 @@ fn differences<const CAPACITY: usize>(term: &[f64; CAPACITY], p: usize, out: &mu
 ///
 /// Piegl & Tiller, A2.3. Rows above p are zero. Independent of the inverse triangle, which it checks.
 pub fn basis_derivatives(knots: &KnotVector, span: usize, t: f64, order: usize) -> Vec<[f64; MAX_ORDER]> {
-    let p = knots.degree();
     let u = knots.knots();
+    general(knots.degree(), span, order, |i| u[i] - t, |i, j| u[j] - u[i])
+}
+
+/// As [`basis_derivatives`], at `t` in 0 to 1 of the span and by that parameter: the k-th derivatives are those by the
+/// knots' own parameter times the k-th power of the span's length.
+pub(crate) fn basis_derivatives_local(knots: &KnotVector, span: usize, t: f64, order: usize) -> Vec<[f64; MAX_ORDER]> {
+    let u = knots.knots();
+    let (start, length) = knots.span(span);
+    general(knots.degree(), span, order, |i| (u[i] - start) / length - t, |i, j| (u[j] - u[i]) / length)
+}
+
+/// The general algorithm: `ahead` is by how much knot i exceeds the parameter, `between` how far knot j is from knot i.
+fn general(
+    p: usize,
+    span: usize,
+    order: usize,
+    ahead: impl Fn(usize) -> f64,
+    between: impl Fn(usize, usize) -> f64,
+) -> Vec<[f64; MAX_ORDER]> {
     let mut left = [0.0; MAX_ORDER];
     let mut right = [0.0; MAX_ORDER];
     let mut ndu = [[0.0; MAX_ORDER]; MAX_ORDER];
     ndu[0][0] = 1.0;
     for j in 1..=p {
-        left[j] = t - u[span + 1 - j];
-        right[j] = u[span + j] - t;
+        left[j] = -ahead(span + 1 - j);
+        right[j] = ahead(span + j);
         let mut saved = 0.0;
         for r in 0..j {
-            ndu[j][r] = u[span + r + 1] - u[span + 1 + r - j];
+            ndu[j][r] = between(span + 1 + r - j, span + r + 1);
             let term = ndu[r][j - 1] / ndu[j][r];
             ndu[r][j] = saved + right[r + 1] * term;
             saved = left[j - r] * term;

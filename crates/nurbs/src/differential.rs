@@ -1,8 +1,9 @@
 //! What a surface looks like at a point: its normal, with how far to trust it, and its curvatures.
 
 use crate::basis::binomial;
+use crate::surface::power_of_two;
 use crate::{Direction, SecondDerivatives, Surface};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A point counts as collapsed in a direction when the domain's length times the derivative is below this share of
 /// the control box: control points that should coincide agree to a few ulp of their coordinates, not exactly.
@@ -17,15 +18,22 @@ const LIMIT_ORDERS: usize = 4;
 /// Terms of the expansion below this share of their summands are cancellation, not a direction.
 const CANCELLED: f64 = 1e-9;
 
+/// Directions along which a limit normal is sought, in lengths of the span: it exists where all agree.
+const LIMIT_SLOPES: [[f64; 2]; 3] = [[1.0, 1.0], [1.0, 0.25], [0.25, 1.0]];
+
+/// Limits along two directions within this distance are one. The terms that they are made of are exact to 1e-9 of
+/// themselves ([`CANCELLED`] of 1e-16 is 1e-7).
+const ONE_LIMIT: f64 = 1e-6;
+
 /// How a normal was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum NormalStatus {
     /// S_u × S_v, normalised.
     Regular = 0,
-    /// S_u × S_v vanishes; the direction that it takes toward the middle of the domain.
+    /// S_u × S_v vanishes; the direction that it tends to, the same from all sides in the span.
     Limit = 1,
-    /// No direction: no limit was found in the first orders.
+    /// No direction: no limit was found in the first orders, or it depends on the side that one comes from.
     Undefined = 2,
 }
 
@@ -34,7 +42,7 @@ pub enum NormalStatus {
 pub enum Normal {
     /// S_u × S_v, normalised.
     Regular(DVec3),
-    /// The limit toward the middle of the domain at a degenerate point.
+    /// The limit at a degenerate point, from all sides in the span.
     Limit(DVec3),
     /// No direction.
     Undefined,
@@ -87,8 +95,8 @@ impl Surface {
     /// Position, derivatives, normal and curvatures at (u, v).
     ///
     /// A normal is regular unless a side collapses there or S_u and S_v are parallel. Then the first term that does
-    /// not vanish of S_u × S_v, expanded along the direction to the middle of the domain (straight away from the
-    /// collapsed side where the point is on one), gives the limit.
+    /// not vanish of S_u × S_v, expanded along a direction into the span, gives the limit along it; where all directions
+    /// that are tried have one limit, that is the normal.
     pub fn inspect(&self, u: f64, v: f64) -> SurfacePoint {
         let [span_u, span_v] = [self.knots(Direction::U).find_span(u), self.knots(Direction::V).find_span(v)];
         self.inspect_on(span_u, span_v, u, v)
@@ -96,73 +104,97 @@ impl Surface {
 
     /// As [`Self::inspect`], with the polynomial of a given nonempty span: the other side of a crease, at its knot.
     pub fn inspect_on(&self, span_u: usize, span_v: usize, u: f64, v: f64) -> SurfacePoint {
-        let d = self.second_derivatives_on(span_u, span_v, u, v);
-        let (flat_u, flat_v) = self.collapsed(&d);
-        let cross = d.su.cross(d.sv);
-        if !flat_u && !flat_v && cross.length() > PARALLEL * d.su.length() * d.sv.length() {
+        let share = |direction, span, t: f64| {
+            let (start, length) = self.knots(direction).span(span);
+            (t - start) / length
+        };
+        let t = || DVec2::new(share(Direction::U, span_u, u), share(Direction::V, span_v, v));
+        self.interrogate(self.second_derivatives_on(span_u, span_v, u, v), [span_u, span_v], t)
+    }
+
+    /// As [`Self::inspect_on`], at `t` in 0 to 1 of the span, as [`Surface::second_derivatives_local`].
+    pub fn inspect_local(&self, span: [usize; 2], t: DVec2) -> SurfacePoint {
+        self.interrogate(self.second_derivatives_local(span, t), span, || t)
+    }
+
+    fn interrogate(&self, d: SecondDerivatives, span: [usize; 2], t: impl FnOnce() -> DVec2) -> SurfacePoint {
+        let flat = self.collapsed(&d);
+        let [unit_u, unit_v] = [d.su, d.sv].map(|d| power_of_two(d.abs().max_element()));
+        let (su, sv) = (d.su / unit_u, d.sv / unit_v);
+        let cross = su.cross(sv);
+        if !flat[0] && !flat[1] && cross.length() > PARALLEL * su.length() * sv.length() {
             let n = cross.normalize();
-            return SurfacePoint { derivatives: d, normal: Normal::Regular(n), curvature: Some(curvature(&d, n)) };
+            let curvature = curvature(&d, [unit_u, unit_v], n);
+            return SurfacePoint { derivatives: d, normal: Normal::Regular(n), curvature: Some(curvature) };
         }
-        let normal = self.limit_normal(u, v, flat_u, flat_v);
-        SurfacePoint { derivatives: d, normal, curvature: None }
+        SurfacePoint { derivatives: d, normal: self.limit_normal(span, t(), flat), curvature: None }
     }
 
     /// Whether S_u and S_v are zero to what the control points can tell.
-    fn collapsed(&self, d: &SecondDerivatives) -> (bool, bool) {
+    fn collapsed(&self, d: &SecondDerivatives) -> [bool; 2] {
         let hull = self.hull();
         let farthest = hull.min.abs().max(hull.max.abs()).max_element();
         let least = hull.diagonal() * COLLAPSED + farthest * 2.0 * f64::EPSILON;
         let length = |direction| self.knots(direction).length();
-        (d.su.length() * length(Direction::U) <= least, d.sv.length() * length(Direction::V) <= least)
+        [d.su.length() * length(Direction::U) <= least, d.sv.length() * length(Direction::V) <= least]
     }
 
-    fn limit_normal(&self, u: f64, v: f64, flat_u: bool, flat_v: bool) -> Normal {
-        let [[u0, u1], [v0, v1]] = self.domain();
-        let mut du = if 2.0 * u < u0 + u1 { 1.0 } else { -1.0 };
-        let mut dv = if 2.0 * v < v0 + v1 { 1.0 } else { -1.0 };
-        if (v == v0 || v == v1) && flat_u {
-            du = 0.0;
-        } else if (u == u0 || u == u1) && flat_v {
-            dv = 0.0;
-        }
-        // Directions are unit in the unit square, so that u and v of different scale count alike.
-        du *= if flat_u || flat_v { u1 - u0 } else { 1.0 };
-        dv *= if flat_u || flat_v { v1 - v0 } else { 1.0 };
-        let table = self.derivatives(u, v, LIMIT_ORDERS + 1);
-        // The k-th Taylor coefficient of the derivative (a, b) along (du, dv).
-        let taylor = |k: usize, a: usize, b: usize| {
-            let mut sum = DVec3::ZERO;
-            for i in 0..=k {
-                let power = du.powi(i as i32) * dv.powi((k - i) as i32);
-                sum += binomial(k, i) * power * table[a + i][b + k - i];
-            }
-            sum / (1..=k).map(|i| i as f64).product::<f64>()
+    /// The limit of the normal at `t` of a span, if it is the same from every side in the span.
+    fn limit_normal(&self, span: [usize; 2], t: DVec2, flat: [bool; 2]) -> Normal {
+        let table = self.derivatives_by_local(span, t, LIMIT_ORDERS + 1);
+        // Toward the span's middle first; away from it only where that is in the span, too.
+        let signs = |t: f64| {
+            let inward = if t < 0.5 { 1.0 } else { -1.0 };
+            let both = 0.0 < t && t < 1.0;
+            [inward, -inward].into_iter().take(1 + usize::from(both))
         };
-        let su = |k: usize| if k == 0 && flat_u { DVec3::ZERO } else { taylor(k, 1, 0) };
-        let sv = |k: usize| if k == 0 && flat_v { DVec3::ZERO } else { taylor(k, 0, 1) };
-        for m in 1..=LIMIT_ORDERS {
-            let terms: Vec<(DVec3, DVec3)> = (0..=m).map(|k| (su(k), sv(m - k))).collect();
-            let sum: DVec3 = terms.iter().map(|(a, b)| a.cross(*b)).sum();
-            let summands: f64 = terms.iter().map(|(a, b)| a.length() * b.length()).sum();
-            if sum.length() > CANCELLED * summands {
-                return Normal::Limit(sum.normalize());
-            }
-        }
-        Normal::Undefined
+        let mut limits = signs(t.x).flat_map(|du| signs(t.y).map(move |dv| [du, dv])).flat_map(|[du, dv]| {
+            // Not along a side, where a side that is a point leaves nothing but rounding.
+            LIMIT_SLOPES.map(|[a, b]| limit_along(&table, [a * du, b * dv], flat)).into_iter().flatten()
+        });
+        let Some(first) = limits.next() else { return Normal::Undefined };
+        if limits.all(|other| first.distance(other) <= ONE_LIMIT) { Normal::Limit(first) } else { Normal::Undefined }
     }
+}
+
+/// The limit of the normal along (du, dv), from a table of mixed derivatives to one order above [`LIMIT_ORDERS`].
+fn limit_along(table: &[Vec<DVec3>], [du, dv]: [f64; 2], [flat_u, flat_v]: [bool; 2]) -> Option<DVec3> {
+    // The k-th Taylor coefficient of the derivative (a, b).
+    let taylor = |k: usize, a: usize, b: usize| {
+        let mut sum = DVec3::ZERO;
+        for i in 0..=k {
+            let power = du.powi(i as i32) * dv.powi((k - i) as i32);
+            sum += binomial(k, i) * power * table[a + i][b + k - i];
+        }
+        sum / (1..=k).map(|i| i as f64).product::<f64>()
+    };
+    let su = |k: usize| if k == 0 && flat_u { DVec3::ZERO } else { taylor(k, 1, 0) };
+    let sv = |k: usize| if k == 0 && flat_v { DVec3::ZERO } else { taylor(k, 0, 1) };
+    (1..=LIMIT_ORDERS).find_map(|m| {
+        let terms: Vec<(DVec3, DVec3)> = (0..=m).map(|k| (su(k), sv(m - k))).collect();
+        let sum: DVec3 = terms.iter().map(|(a, b)| a.cross(*b)).sum();
+        let summands: f64 = terms.iter().map(|(a, b)| a.length() * b.length()).sum();
+        (sum.length() > CANCELLED * summands).then(|| sum.normalize())
+    })
 }
 
 /// Curvatures from the second fundamental form in the orthonormal frame e1 = S_u / |S_u|, e2 = n × e1.
 ///
 /// There the shape operator is symmetric, so k1 − k2 = 2 √(((a − c) / 2)² + b²) has no cancellation at umbilics,
-/// which the textbook √(H² − K) has.
-fn curvature(d: &SecondDerivatives, n: DVec3) -> Curvature {
-    let length = d.su.length();
-    let e1 = d.su / length;
+/// which the textbook √(H² − K) has. Of the two the one that is smaller in size is K over the other, for in H ∓ the root it
+/// cancels: where one is 1e10 times the other nothing would be left.
+///
+/// The parameters are counted in units of 1 / `units`, powers of two near |S_u| and |S_v|: then no square leaves f64.
+fn curvature(d: &SecondDerivatives, [unit_u, unit_v]: [f64; 2], n: DVec3) -> Curvature {
+    let (su, sv) = (d.su / unit_u, d.sv / unit_v);
+    let length = su.length();
+    let e1 = su / length;
     let e2 = n.cross(e1);
     // S_v = f e1 + g e2; the inverse of that change of basis is applied to L, M, N.
-    let (f, g) = (d.sv.dot(e1), d.sv.dot(e2));
-    let (l, m, nn) = (d.suu.dot(n), d.suv.dot(n), d.svv.dot(n));
+    let (f, g) = (sv.dot(e1), sv.dot(e2));
+    let l = (d.suu / unit_u / unit_u).dot(n);
+    let m = (d.suv / unit_u / unit_v).dot(n);
+    let nn = (d.svv / unit_v / unit_v).dot(n);
     let shear = f / length;
     let a = l / (length * length);
     let b = (m - shear * l) / (length * g);
@@ -171,6 +203,10 @@ fn curvature(d: &SecondDerivatives, n: DVec3) -> Curvature {
     let x = 0.5 * (a - c);
     // Not `hypot`: that is the platform's, and this must be the same everywhere.
     let half = (x * x + b * b).sqrt();
-    let (k1, k2) = (mean + half, mean - half);
-    Curvature { gaussian: a * c - b * b, mean, k1, k2 }
+    let gaussian = a * c - b * b;
+    let larger = if mean < 0.0 { mean - half } else { mean + half };
+    let smaller = if larger == 0.0 { 0.0 } else { gaussian / larger };
+    let [k1, k2] = if mean < 0.0 { [smaller, larger] } else { [larger, smaller] };
+    // An umbilic's two may come out in the wrong order by an ulp.
+    Curvature { gaussian, mean, k1: k1.max(k2), k2: k1.min(k2) }
 }

@@ -136,6 +136,11 @@ impl KnotVector {
         (self.degree..self.control_count()).filter(|&k| self.knots[k] < self.knots[k + 1])
     }
 
+    /// The first knot of a span and the span's length, U\[k+1\] − U\[k\].
+    pub fn span(&self, k: usize) -> (f64, f64) {
+        (self.knots[k], self.knots[k + 1] - self.knots[k])
+    }
+
     /// How often `t` occurs among the knots.
     pub fn multiplicity(&self, t: f64) -> usize {
         self.knots.iter().filter(|&&k| k == t).count()

@@ -1,7 +1,7 @@
 //! NURBS curves in space: the profiles that Wildcat trims surfaces with.
 
 use crate::blossom::blossom;
-use crate::surface::{check_weights, usable};
+use crate::surface::{checked_weights, usable};
 use crate::{KnotVector, MAX_DEGREE, NurbsError};
 use glam::{DVec3, DVec4};
 
@@ -58,9 +58,7 @@ pub(crate) fn homogeneous(
     if let Some((index, value)) = coordinates.find(|(_, x)| !usable(*x)) {
         return Err(NurbsError::PointNotFinite { index, value });
     }
-    if let Some(weights) = weights {
-        check_weights(weights, expected)?;
-    }
-    let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
+    let weights = weights.map(|weights| checked_weights(weights.to_vec(), expected)).transpose()?;
+    let weight = |i: usize| weights.as_ref().map_or(1.0, |w| w[i]);
     Ok(points.enumerate().map(|(i, p)| (p * weight(i)).extend(weight(i))).collect())
 }

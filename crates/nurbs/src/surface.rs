@@ -1,16 +1,19 @@
 //! Tensor-product NURBS surfaces: construction, evaluation, refinement.
 
-use crate::basis::{Basis, basis, binomial};
+use crate::basis::{Basis, basis, basis_derivatives_local, basis_local, binomial};
 use crate::blossom::{bezier_points, reexpress};
 use crate::bounds::Hull;
 use crate::{BezierPatch, KnotVector, MAX_ORDER, NurbsError, basis_derivatives};
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 
 /// The largest coordinate that is accepted, in model units: squares and products of four stay finite.
 const GREATEST_COORDINATE: f64 = 1e60;
 
 /// The largest ratio of two weights of one surface. Beyond it f64 no longer carries the lighter points at all.
 const GREATEST_WEIGHT_RATIO: f64 = 1e12;
+
+/// A greatest weight within this factor of 1 is left as it is: 2¹⁰⁰.
+const USUAL_WEIGHT: f64 = 1_267_650_600_228_229_401_496_703_205_376.0;
 
 /// One of the two parameter directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,9 +96,7 @@ impl Surface {
             let value = points[index].to_array().into_iter().find(|&x| !usable(x)).expect("one is not usable");
             return Err(NurbsError::PointNotFinite { index, value });
         }
-        if let Some(weights) = &weights {
-            check_weights(weights, expected)?;
-        }
+        let weights = weights.map(|weights| checked_weights(weights, expected)).transpose()?;
         let hull = Hull::of(points.iter().copied());
         let center = hull.center();
         let local = points
@@ -146,6 +147,8 @@ impl Surface {
     }
 
     /// Weights, in the order of the points; `None` for a polynomial surface.
+    ///
+    /// Where the greatest given one was above 2¹⁰⁰ or below 2⁻¹⁰⁰ all are divided by a power of two that makes it 1 to 2.
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_deref()
     }
@@ -190,10 +193,27 @@ impl Surface {
     #[inline]
     pub fn first_derivatives_on(&self, span_u: usize, span_v: usize, u: f64, v: f64) -> FirstDerivatives {
         match self.degree() {
-            [3, 3] => self.first_order::<4>(3, 3, span_u, span_v, u, v),
-            [2, 2] => self.first_order::<3>(2, 2, span_u, span_v, u, v),
-            [p, q] => self.first_order::<MAX_ORDER>(p, q, span_u, span_v, u, v),
+            [3, 3] => self.first_at::<4>(3, 3, [span_u, span_v], [u, v]),
+            [2, 2] => self.first_at::<3>(2, 2, [span_u, span_v], [u, v]),
+            [p, q] => self.first_at::<MAX_ORDER>(p, q, [span_u, span_v], [u, v]),
         }
+    }
+
+    /// S at `t` in 0 to 1 of a nonempty span in each direction, as [`Self::first_derivatives_local`].
+    pub fn point_local(&self, span: [usize; 2], t: DVec2) -> DVec3 {
+        self.first_derivatives_local(span, t).s
+    }
+
+    /// As [`Self::first_derivatives_on`] at u = U\[k\] + t (U\[k+1\] − U\[k\]), k the span, and v likewise, but u is
+    /// never formed: knots count from U\[k\] in units of the span's length.
+    ///
+    /// So nothing is lost where the domain is far from zero (knots from 1e9 to 1e9 + 1e-3) or a span is short. The
+    /// derivatives are by u and v all the same. Error as [`Self::first_derivatives`], at every `t` exactly.
+    pub fn first_derivatives_local(&self, span: [usize; 2], t: DVec2) -> FirstDerivatives {
+        let [p, q] = self.degree();
+        let nu = basis_local::<MAX_ORDER, false>(&self.knots[0], p, span[0], t.x);
+        let nv = basis_local::<MAX_ORDER, false>(&self.knots[1], q, span[1], t.y);
+        self.first_order(p, q, span, &nu, &nv)
     }
 
     /// S and all derivatives to second order. Conventions and error as [`Self::first_derivatives`].
@@ -205,9 +225,32 @@ impl Surface {
     /// As [`Self::second_derivatives`], with the polynomial of a given nonempty span.
     pub fn second_derivatives_on(&self, span_u: usize, span_v: usize, u: f64, v: f64) -> SecondDerivatives {
         match self.degree() {
-            [3, 3] => self.second_order::<4>(3, 3, span_u, span_v, u, v),
-            [p, q] => self.second_order::<MAX_ORDER>(p, q, span_u, span_v, u, v),
+            [3, 3] => self.second_at::<4>(3, 3, [span_u, span_v], [u, v]),
+            [p, q] => self.second_at::<MAX_ORDER>(p, q, [span_u, span_v], [u, v]),
         }
+    }
+
+    /// S and all derivatives to second order, by u and v, at `t` in 0 to 1 of a nonempty span in each direction, without
+    /// forming u and v: see [`Self::first_derivatives_local`].
+    pub fn second_derivatives_local(&self, span: [usize; 2], t: DVec2) -> SecondDerivatives {
+        let [p, q] = self.degree();
+        let nu = basis_local::<MAX_ORDER, true>(&self.knots[0], p, span[0], t.x);
+        let nv = basis_local::<MAX_ORDER, true>(&self.knots[1], q, span[1], t.y);
+        self.second_order(p, q, span, &nu, &nv)
+    }
+
+    #[inline(always)]
+    fn first_at<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], [u, v]: [f64; 2]) -> FirstDerivatives {
+        let nu = basis::<C, false>(&self.knots[0], p, span[0], u);
+        let nv = basis::<C, false>(&self.knots[1], q, span[1], v);
+        self.first_order(p, q, span, &nu, &nv)
+    }
+
+    #[inline(always)]
+    fn second_at<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], [u, v]: [f64; 2]) -> SecondDerivatives {
+        let nu = basis::<C, true>(&self.knots[0], p, span[0], u);
+        let nv = basis::<C, true>(&self.knots[1], q, span[1], v);
+        self.second_order(p, q, span, &nu, &nv)
     }
 
     #[inline(always)]
@@ -215,13 +258,10 @@ impl Surface {
         &self,
         p: usize,
         q: usize,
-        span_u: usize,
-        span_v: usize,
-        u: f64,
-        v: f64,
+        [span_u, span_v]: [usize; 2],
+        nu: &Basis<C>,
+        nv: &Basis<C>,
     ) -> FirstDerivatives {
-        let nu = basis::<C, false>(&self.knots[0], p, span_u, u);
-        let nv = basis::<C, false>(&self.knots[1], q, span_v, v);
         let [mut a, mut a_u, mut a_v] = [[0.0; 4]; 3];
         let columns = self.knots[1].control_count();
         let first = (span_u - p) * columns + span_v - q;
@@ -257,13 +297,10 @@ impl Surface {
         &self,
         p: usize,
         q: usize,
-        span_u: usize,
-        span_v: usize,
-        u: f64,
-        v: f64,
+        [span_u, span_v]: [usize; 2],
+        nu: &Basis<C>,
+        nv: &Basis<C>,
     ) -> SecondDerivatives {
-        let nu: Basis<C> = basis::<C, true>(&self.knots[0], p, span_u, u);
-        let nv: Basis<C> = basis::<C, true>(&self.knots[1], q, span_v, v);
         let mut sums = [[0.0; 4]; 6];
         for i in 0..=p {
             let mut rows = [[0.0; 4]; 3];
@@ -300,10 +337,21 @@ impl Surface {
     ///
     /// Piegl & Tiller, A3.6 with A2.3, then A4.4. Independent of the second-order evaluators, which it checks.
     pub fn derivatives(&self, u: f64, v: f64, order: usize) -> Vec<Vec<DVec3>> {
-        let [p, q] = self.degree();
         let (span_u, span_v) = (self.knots[0].find_span(u), self.knots[1].find_span(v));
         let nu = basis_derivatives(&self.knots[0], span_u, u, order);
         let nv = basis_derivatives(&self.knots[1], span_v, v, order);
+        self.mixed([span_u, span_v], [&nu, &nv], order)
+    }
+
+    /// As [`Self::derivatives`] at `t` in 0 to 1 of a nonempty span in each direction, and by `t`.
+    pub(crate) fn derivatives_by_local(&self, span: [usize; 2], t: DVec2, order: usize) -> Vec<Vec<DVec3>> {
+        let nu = basis_derivatives_local(&self.knots[0], span[0], t.x, order);
+        let nv = basis_derivatives_local(&self.knots[1], span[1], t.y, order);
+        self.mixed(span, [&nu, &nv], order)
+    }
+
+    fn mixed(&self, [span_u, span_v]: [usize; 2], [nu, nv]: [&[[f64; MAX_ORDER]]; 2], order: usize) -> Vec<Vec<DVec3>> {
+        let [p, q] = self.degree();
         let homogeneous = |k: usize, l: usize| {
             let mut sum = [0.0; 4];
             for (i, &by_u) in nu[k].iter().enumerate().take(p + 1) {
@@ -339,33 +387,39 @@ impl Surface {
         &self.local[start..=start + q]
     }
 
-    /// The Bézier patches of all nonempty spans, u outer, v inner (Piegl & Tiller, Sec. 5.3, here by blossoms).
+    /// The Bézier patches of all nonempty spans, u outer, v inner.
     pub fn bezier_patches(&self) -> Vec<BezierPatch> {
+        let [ku, kv] = &self.knots;
+        ku.spans().flat_map(|k| kv.spans().map(move |l| self.bezier_patch([k, l]))).collect()
+    }
+
+    /// The Bézier patch of a nonempty span (Piegl & Tiller, Sec. 5.3, here by blossoms).
+    pub fn bezier_patch(&self, [k, l]: [usize; 2]) -> BezierPatch {
         let [p, q] = self.degree();
         let [ku, kv] = &self.knots;
-        let mut patches = vec![];
-        for k in ku.spans() {
-            for l in kv.spans() {
-                let [u, v] = [[ku.knots()[k], ku.knots()[k + 1]], [kv.knots()[l], kv.knots()[l + 1]]];
-                // First along v in each of the p + 1 rows, then along u.
-                let rows: Vec<Vec<DVec4>> = (0..=p)
-                    .map(|i| {
-                        let row: Vec<DVec4> =
-                            self.row(k - p + i, l - q, q).iter().map(|&c| DVec4::from_array(c)).collect();
-                        bezier_points(kv, l, &row, v)
-                    })
-                    .collect();
-                let mut control = vec![DVec4::ZERO; (p + 1) * (q + 1)];
-                for j in 0..=q {
-                    let column: Vec<DVec4> = rows.iter().map(|row| row[j]).collect();
-                    for (i, point) in bezier_points(ku, k, &column, u).into_iter().enumerate() {
-                        control[i * (q + 1) + j] = point;
-                    }
-                }
-                patches.push(BezierPatch { degree: [p, q], domain: [u, v], origin: self.origin, control });
+        let [u, v] = [[ku.knots()[k], ku.knots()[k + 1]], [kv.knots()[l], kv.knots()[l + 1]]];
+        // First along v in each of the p + 1 rows, then along u.
+        let rows: Vec<Vec<DVec4>> = (0..=p)
+            .map(|i| {
+                let row: Vec<DVec4> = self.row(k - p + i, l - q, q).iter().map(|&c| DVec4::from_array(c)).collect();
+                bezier_points(kv, l, &row, v)
+            })
+            .collect();
+        let mut control = vec![DVec4::ZERO; (p + 1) * (q + 1)];
+        for j in 0..=q {
+            let column: Vec<DVec4> = rows.iter().map(|row| row[j]).collect();
+            for (i, point) in bezier_points(ku, k, &column, u).into_iter().enumerate() {
+                control[i * (q + 1) + j] = point;
             }
         }
-        patches
+        BezierPatch { degree: [p, q], domain: [u, v], origin: self.origin, control }
+    }
+
+    /// The box of the control points of a span, which holds the surface there.
+    pub fn span_hull(&self, [k, l]: [usize; 2]) -> Hull {
+        let [p, q] = self.degree();
+        let columns = self.knots[1].control_count();
+        Hull::of((k - p..=k).flat_map(|i| &self.points[i * columns + l - q..=i * columns + l]).copied())
     }
 
     /// The same surface with `values` inserted as knots (Piegl & Tiller, A5.4 by blossoms).
@@ -473,17 +527,29 @@ pub(crate) fn usable(x: f64) -> bool {
     x.abs() <= GREATEST_COORDINATE
 }
 
-/// Checks the weights of `expected` control points.
-pub(crate) fn check_weights(weights: &[f64], expected: usize) -> Result<(), NurbsError> {
+/// The weights of `expected` control points, checked; divided by a power of two where the greatest is very large or small.
+///
+/// A common factor changes no point, and a power of two no bit. So weights of 1e-300 or 1e308 mean what those of 1 mean,
+/// though their products with coordinates would leave f64.
+pub(crate) fn checked_weights(weights: Vec<f64>, expected: usize) -> Result<Vec<f64>, NurbsError> {
     if weights.len() != expected {
         return Err(NurbsError::WeightCount { expected, found: weights.len() });
     }
     let greatest = weights.iter().fold(0.0, |m: f64, w| m.max(*w));
     let legal = |w: f64| w > 0.0 && w.is_finite() && w * GREATEST_WEIGHT_RATIO >= greatest && w >= f64::MIN_POSITIVE;
-    match weights.iter().position(|&w| !legal(w)) {
-        Some(index) => Err(NurbsError::Weight { index, value: weights[index] }),
-        None => Ok(()),
+    if let Some(index) = weights.iter().position(|&w| !legal(w)) {
+        return Err(NurbsError::Weight { index, value: weights[index] });
     }
+    if (1.0 / USUAL_WEIGHT..=USUAL_WEIGHT).contains(&greatest) {
+        return Ok(weights);
+    }
+    let unit = power_of_two(greatest);
+    Ok(weights.into_iter().map(|w| w / unit).collect())
+}
+
+/// The greatest power of two that is at most `x`, which is positive and finite; at least the smallest normal number.
+pub(crate) fn power_of_two(x: f64) -> f64 {
+    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 #[inline(always)]

@@ -25,7 +25,7 @@ pub(crate) use pack::Leaf;
 
 use crate::PackedScene;
 use crate::fragment::{TangentPlane, tangent_plane};
-use crate::layout::{FaceRecord, View};
+use crate::layout::{FaceRecord, Parameters, View};
 use crate::sight::NEAR_PX;
 use crate::trim::{self, point};
 
@@ -106,7 +106,7 @@ struct Foot {
 /// Where the centre is beyond the edge, by [`NEAR_PX`] at most, the offset is the opposite of that: a hit is always inside,
 /// and it says in which direction the face ends.
 ///
-/// `uv` are local parameters, 0 … 1, of a point that is seen near there; the search begins at the place that they have at
+/// `uv` are parameters of the whole domain, 0 … 1, of a point that is seen near there; the search begins at the place that they have at
 /// `at` itself, by one step of Newton's method.
 pub fn edge(scene: &PackedScene, view: &View, face: u32, uv: [f32; 2], at: [f32; 2]) -> Option<[f32; 2]> {
     let f = &scene.faces[face as usize];
@@ -151,7 +151,7 @@ impl Map {
 
 /// S at local parameters as the picture shows it about `at`; `None` behind the eye.
 fn seen(scene: &PackedScene, view: &View, face: u32, uv: [f32; 2], at: [f32; 2]) -> Option<Seen> {
-    let TangentPlane { s, su, sv, .. } = tangent_plane(scene, face, uv);
+    let TangentPlane { s, su, sv, .. } = tangent_plane(scene, face, Parameters::searched(uv));
     let m = &view.clip_from_local;
     let direction = |x: [f32; 3], k: usize| m[0][k] * x[0] + m[1][k] * x[1] + m[2][k] * x[2];
     let w = direction(s, 3) + m[3][3];

@@ -1,4 +1,4 @@
-//! What the fragment program may return at given local parameters, whatever WGSL allows an adapter to do.
+//! What the fragment program may return at given parameters of a span, whatever WGSL allows an adapter to do.
 //!
 //! The program's third reading, beside `eval` and its twin in WGSL: the same operations in the same order, in f64, each
 //! with a bound of what f32 may make of it; then backwards, to learn what each of these errors can do to each result.
@@ -35,12 +35,11 @@ mod tail;
 mod tape;
 mod tensor;
 
-use crate::eval;
-use crate::layout::{FaceRecord, RATIONAL, REVERSED};
+use crate::layout::{FaceRecord, Parameters, RATIONAL, REVERSED};
 use crate::pack::{PackedFrame, PackedScene};
 use basis::Basis;
 use error::{Adjoint, Budget, Error, FLUSH, NEIGHBOUR, OUTPUTS};
-use glam::DVec2;
+use gbuffer::{Hit, LocalParameters};
 use nurbs::MAX_ORDER;
 use tail::{Curvature, Tail};
 use tape::{Number, Tape};
@@ -49,7 +48,7 @@ use tensor::{ORDERS, Sums};
 /// A normal whose half-width exceeds this in a coordinate is not bounded: a pole is near.
 pub const USELESS: f64 = 0.25;
 
-/// A local parameter as far as it is known: the program's own f32, or one of two neighbours.
+/// A span's parameter as far as it is known: the program's own f32, or an interval of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
     low: f32,
@@ -63,16 +62,33 @@ impl Parameter {
         Self { low: t, high: t }
     }
 
-    /// The f32 that became `t` of the knot domain, or the f32 on either side where none did.
-    fn of(t: f64, domain: [f64; 2], widen: impl Fn(f32) -> f64) -> Self {
-        let nearest = (((t - domain[0]) / (domain[1] - domain[0])) as f32).clamp(0.0, 1.0);
-        let [below, above] = [nearest.next_down(), nearest.next_up()].map(|x| x.clamp(0.0, 1.0));
-        let mut same = [below, nearest, above].into_iter().filter(|&x| widen(x) == t);
-        match (same.next(), same.last()) {
-            (Some(low), Some(high)) => Self { low, high },
-            (Some(only), None) => Self::exact(only),
-            (None, _) if widen(nearest) < t => Self { low: nearest, high: above },
-            (None, _) => Self { low: below, high: nearest },
+    /// The f32 that `t` is, or the two on either side where it is none.
+    fn nearest(t: f64) -> Self {
+        let nearest = (t as f32).clamp(0.0, 1.0);
+        match f64::from(nearest) - t {
+            0.0 => Self::exact(nearest),
+            above if above > 0.0 => Self { low: nearest.next_down().max(0.0), high: nearest },
+            _ => Self { low: nearest, high: nearest.next_up().min(1.0) },
+        }
+    }
+
+    /// All f32 that may have become `t` of the knot domain on the span from `start` to `end`, of which f64 may have lost `lost`.
+    fn of(t: f64, [start, end]: [f64; 2], lost: f64) -> Self {
+        let local = (t - start) / (end - start);
+        let nearest = (local as f32).clamp(0.0, 1.0);
+        let widen = |x: f32| if x >= 1.0 { end } else { start + (end - start) * f64::from(x) };
+        if lost < f64::from(f32::EPSILON) / 16.0 {
+            let [below, above] = [nearest.next_down(), nearest.next_up()].map(|x| x.clamp(0.0, 1.0));
+            let mut same = [below, nearest, above].into_iter().filter(|&x| widen(x) == t);
+            match (same.next(), same.next_back()) {
+                (Some(low), Some(high)) => Self { low, high },
+                (Some(only), None) => Self::exact(only),
+                (None, _) if widen(nearest) < t => Self { low: nearest, high: above },
+                (None, _) => Self { low: below, high: nearest },
+            }
+        } else {
+            let [low, high] = [local - lost, local + lost];
+            Self { low: (low as f32).next_down().clamp(0.0, 1.0), high: (high as f32).next_up().clamp(0.0, 1.0) }
         }
     }
 
@@ -81,7 +97,8 @@ impl Parameter {
         self.low == self.high
     }
 
-    fn middle(self) -> f64 {
+    /// The middle of what is known.
+    pub fn middle(self) -> f64 {
         0.5 * (f64::from(self.low) + f64::from(self.high))
     }
 
@@ -90,20 +107,70 @@ impl Parameter {
     }
 }
 
-/// What narrowing does in one direction.
-#[derive(Debug, Clone, Copy, Default)]
-struct Narrowed {
-    /// Error of a local parameter that stands for one of the knot domain.
-    parameter: f64,
+/// A span, and a parameter of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnSpan {
+    /// Number of the span among those that are not empty.
+    pub span: u32,
+    /// The parameter.
+    pub t: Parameter,
+    /// What f64 may have lost of the parameter on the way to the knot domain and back.
+    pub lost: f64,
+}
+
+/// Where a hit is on its face, as far as that is known: in u and in v, one span, or the two that meet there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Known([[Option<OnSpan>; 2]; 2]);
+
+impl Known {
+    /// A place that is known to the bit.
+    pub fn exact(Parameters { span, uv }: Parameters) -> Self {
+        Self([0, 1].map(|k| [Some(OnSpan { span: span[k], t: Parameter::exact(uv[k]), lost: 0.0 }), None]))
+    }
+
+    /// Whether it is known to the bit on every span.
+    pub fn is_exact(&self) -> bool {
+        self.0.iter().flatten().flatten().all(|on| on.t.is_exact())
+    }
 }
 
 impl PackedFrame {
-    /// The local parameters of a hit's (u, v), which is in the knot domain.
-    pub fn parameters(&self, uv: DVec2) -> [Parameter; 2] {
-        [
-            Parameter::of(uv.x, self.domain[0], |x| self.uv([x, 0.0]).x),
-            Parameter::of(uv.y, self.domain[1], |x| self.uv([0.0, x]).y),
-        ]
+    /// Where a hit is: by its local parameters, where it has some that [belong](Self::belongs) to (u, v), else by (u, v) in the
+    /// knot domain.
+    pub fn known(&self, hit: &Hit) -> Known {
+        match hit.local.filter(|_| self.belongs(hit)) {
+            None => Known([self.of_domain(0, hit.uv.x), self.of_domain(1, hit.uv.y)]),
+            Some(LocalParameters { span, uv }) => Known([0, 1].map(|k| {
+                [Some(OnSpan { span: span[k], t: Parameter::nearest(uv[k]), lost: 4.0 * f64::EPSILON }), None]
+            })),
+        }
+    }
+
+    /// Whether a hit's local parameters, if it has any, are those of its (u, v), to what f64 may have lost of these.
+    pub fn belongs(&self, hit: &Hit) -> bool {
+        hit.local.is_none_or(|local| {
+            (0..2).all(|k| {
+                (local.span[k] as usize) + 1 < self.breaks[k].len() && {
+                    let [start, end] = self.span(k, local.span[k]);
+                    let off = start + (end - start) * local.uv[k] - hit.uv[k];
+                    off.abs() <= 4.0 * f64::EPSILON * (start.abs() + end.abs())
+                }
+            })
+        })
+    }
+
+    /// The span that a parameter of the knot domain is on, and its neighbour where it is the end of both.
+    fn of_domain(&self, k: usize, t: f64) -> [Option<OnSpan>; 2] {
+        let breaks = &self.breaks[k];
+        let on = |span: usize| {
+            let [start, end] = [breaks[span], breaks[span + 1]];
+            let lost = 2.0 * f64::EPSILON * (1.0 + (start.abs() + end.abs()) / (end - start));
+            OnSpan { span: span as u32, t: Parameter::of(t, [start, end], lost), lost }
+        };
+        let last = breaks.len() - 2;
+        let span = breaks.partition_point(|&start| start <= t).saturating_sub(1).min(last);
+        let before = (span > 0 && t <= breaks[span]).then(|| on(span - 1));
+        [Some(on(span)), before]
     }
 }
 
@@ -114,8 +181,7 @@ pub struct Interval {
     pub middle: f64,
     /// What roundings may add or take.
     pub half_width: f64,
-    /// What the narrowing of knots and control points may have moved the exact value by; infinite where knots lie
-    /// closer together than narrowing can move them.
+    /// What the narrowing of knots and control points may have moved the exact value by.
     pub packing: f64,
 }
 
@@ -158,8 +224,8 @@ pub enum Regularity {
 /// What the program may return on one pair of knot spans, in the face's local units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Enclosure {
-    /// Knot spans of the packed face.
-    pub span: [usize; 2],
+    /// Where it is.
+    pub on: [OnSpan; 2],
     /// S; `None` where f32 may overflow or the weight vanish.
     pub position: Option<[Interval; 3]>,
     /// Whether there is a normal.
@@ -170,7 +236,7 @@ pub struct Enclosure {
     pub curvature: Option<[Interval; 2]>,
 }
 
-/// The enclosures at one place, one for each pair of knot spans that the parameters may lie on.
+/// The enclosures at one place, one for each pair of spans that it may lie on.
 #[derive(Debug, Clone, Copy)]
 pub struct Enclosures {
     pairs: [Option<Enclosure>; 4],
@@ -188,23 +254,16 @@ impl Enclosures {
     }
 }
 
-/// Encloses what the fragment program of `scene` may return on a face at local parameters.
-pub fn enclose(scene: &PackedScene, face: u32, parameters: [Parameter; 2], curvature: bool) -> Enclosures {
+/// Encloses what the fragment program of `scene` may return at a place of a face.
+pub fn enclose(scene: &PackedScene, face: u32, known: &Known, curvature: bool) -> Enclosures {
     let f = &scene.faces[face as usize];
-    let [ku, kv] = scene.knots(f);
-    let spans = |knots: &[f32], degree: u32, count: u32, last: u32, t: Parameter| {
-        [t.low, t.high].map(|t| eval::find_span(knots, degree as usize, count as usize, last as usize, t))
-    };
-    let us = spans(ku, f.degree_u, f.count_u, f.last_u, parameters[0]);
-    let vs = spans(kv, f.degree_v, f.count_v, f.last_v, parameters[1]);
     let mut pairs = [None; 4];
     for (at, (k, l)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().enumerate() {
-        if (k == 0 || us[1] != us[0]) && (l == 0 || vs[1] != vs[0]) {
-            let span = [us[k], vs[l]];
+        if let (Some(u), Some(v)) = (known.0[0][k], known.0[1][l]) {
             pairs[at] = Some(match f.degree_u.max(f.degree_v) {
-                0..=3 => on_span::<4>(scene, face, span, parameters, curvature),
-                4..=5 => on_span::<6>(scene, face, span, parameters, curvature),
-                _ => on_span::<MAX_ORDER>(scene, face, span, parameters, curvature),
+                0..=3 => on_spans::<4>(scene, face, [u, v], curvature),
+                4..=5 => on_spans::<6>(scene, face, [u, v], curvature),
+                _ => on_spans::<MAX_ORDER>(scene, face, [u, v], curvature),
             });
         }
     }
@@ -212,26 +271,19 @@ pub fn enclose(scene: &PackedScene, face: u32, parameters: [Parameter; 2], curva
 }
 
 /// The enclosure on one pair of spans.
-fn on_span<const CAPACITY: usize>(
-    scene: &PackedScene,
-    face: u32,
-    span: [usize; 2],
-    parameters: [Parameter; 2],
-    second: bool,
-) -> Enclosure {
+fn on_spans<const CAPACITY: usize>(scene: &PackedScene, face: u32, on: [OnSpan; 2], second: bool) -> Enclosure {
     let f = &scene.faces[face as usize];
-    let unknown = Enclosure { span, position: None, regularity: Regularity::Either, normal: None, curvature: None };
-    let [ku, kv] = scene.knots(f);
-    let [narrowed_u, narrowed_v] = scene.frames[face as usize].domain.map(narrowed);
-    let Some(nu) = Basis::<CAPACITY>::new(ku, f.degree_u as usize, span[0], parameters[0], narrowed_u, second) else {
+    let unknown = Enclosure { on, position: None, regularity: Regularity::Either, normal: None, curvature: None };
+    let [span_u, span_v] = scene.spans(f, on.map(|on| on.span));
+    let Some(nu) = Basis::<CAPACITY>::new(&span_u, f.degree_u as usize, &on[0], second) else {
         return unknown;
     };
-    let Some(nv) = Basis::<CAPACITY>::new(kv, f.degree_v as usize, span[1], parameters[1], narrowed_v, second) else {
+    let Some(nv) = Basis::<CAPACITY>::new(&span_v, f.degree_v as usize, &on[1], second) else {
         return unknown;
     };
     let rational = f.flags & RATIONAL != 0;
     let (components, orders) = (if rational { 4 } else { 3 }, if second { 6 } else { 3 });
-    let sums = Sums::new(f, &scene.points, span, [&nu, &nv], components, orders);
+    let sums = Sums::new(f, &scene.points, [span_u.first, span_v.first], [&nu, &nv], components, orders);
     let mut tape = Tape::new();
     let mut leaves = [None; 6];
     for order in 0..orders {
@@ -242,11 +294,6 @@ fn on_span<const CAPACITY: usize>(
     let tail = Tail::new(&mut tape, &leaves, rational);
     let run = Run { basis: [&nu, &nv], sums: &sums, tape: &tape, leaves: &leaves, second };
     run.enclosure(f, &tail, unknown)
-}
-
-/// What f64 may have lost of a local parameter on the way to the knot domain and back.
-fn narrowed([start, end]: [f64; 2]) -> Narrowed {
-    Narrowed { parameter: 2.0 * f64::EPSILON * (1.0 + (start.abs() + end.abs()) / (end - start)) }
 }
 
 /// The program run forward at one place, ready to be read backwards.
@@ -272,14 +319,10 @@ impl<const CAPACITY: usize> Run<'_, CAPACITY> {
         for (basis, adjoint) in self.basis.iter().zip(&of_basis) {
             basis.sweep(adjoint, self.second, &mut budget);
         }
-        let has_packing_bound = self.basis.iter().all(|basis| basis.has_packing_bound);
         std::array::from_fn(|k| {
             let coarse = results[k].map_or(0.0, |number| number.radius) / (1u64 << 30) as f64;
             let bound = budget.of(k) * (1.0 + 1.0 / (1 << 20) as f64);
-            Error {
-                rounding: bound.rounding + coarse,
-                packing: if has_packing_bound { bound.packing + coarse } else { f64::INFINITY },
-            }
+            Error { rounding: bound.rounding + coarse, packing: bound.packing + coarse }
         })
     }
 

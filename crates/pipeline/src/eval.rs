@@ -1,4 +1,4 @@
-//! Evaluation of a face at local parameters in f32: span, basis, surface. Twin of `shaders/eval.wgsl`.
+//! Evaluation of a face in f32: span, basis, surface. Twin of `shaders/eval.wgsl`.
 //!
 //! The same function names, statements and operand order stand in both. `CAPACITY` is the size of the private
 //! arrays: [`MAX_ORDER`](nurbs::MAX_ORDER) in the general program, the degree plus one in a specialised one.
@@ -6,12 +6,12 @@
 //! to pull out.
 
 use crate::lanes::{Lanes, Vec3, cross, dot, scale, subtract};
-use crate::layout::{FaceRecord, RATIONAL};
+use crate::layout::{FaceRecord, RATIONAL, SPAN_HEAD};
 
 /// Below this sine S_u and S_v count as parallel: their cross product then is mostly rounding error in f32.
 pub const PARALLEL: f32 = 1.0 / 1048576.0;
 
-/// Below this length, in local units a unit of the local domain, a first derivative counts as collapsed.
+/// Below this length a first derivative counts as collapsed: in local units by a span's parameter, times the span's gain.
 pub const COLLAPSED: f32 = 1.0 / 1048576.0;
 
 /// Values and derivatives of the basis functions that are not zero on a span.
@@ -42,19 +42,63 @@ pub struct Derivatives<const N: usize> {
     pub svv: Vec3<N>,
 }
 
-/// The span k with U\[k\] ≤ t < U\[k+1\] by binary search; at the end of the domain `last` (Kanai 2007, Sec. 3.1).
-///
-/// `knots` are the face's knots in one direction, `count` its control points; `t` is not below U\[degree\].
-#[inline(always)]
-pub fn find_span(knots: &[f32], degree: usize, count: usize, last: usize, t: f32) -> usize {
-    if t >= knots[count] {
-        return last;
+/// A span of one direction, as packed. Its knots are moved and scaled so that the span is 0 … 1: any two of them between which
+/// a basis function lies are at least 1 apart, so that no difference of knots cancels, however short the span is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span<'a> {
+    /// Where it starts, in parameters of the whole domain.
+    pub start: f32,
+    /// The first of the degree + 1 control points that it rests on.
+    pub first: usize,
+    /// Its length, in parameters of the whole domain.
+    pub length: f32,
+    /// A power of two by which derivatives are multiplied, so that those of the basis functions are about as large as the
+    /// functions: a short span beside long ones changes little along itself.
+    pub gain: f32,
+    /// 1 / (length × gain): takes a derivative by the span's parameter, times the gain, to one by that of the whole domain.
+    pub per_whole: f32,
+    /// 2 × degree knots: degree that end with 0, and degree that begin with 1.
+    pub knots: &'a [f32],
+}
+
+impl<'a> Span<'a> {
+    /// Span `k` of a table ([`FaceRecord`]) that starts at `table` among the knots.
+    #[inline(always)]
+    pub fn new(knots: &'a [f32], table: usize, spans: usize, degree: usize, k: usize) -> Self {
+        let record = &knots[table + spans + 1 + k * (SPAN_HEAD + 2 * degree)..][..SPAN_HEAD + 2 * degree];
+        Self {
+            start: knots[table + k],
+            first: record[0] as usize,
+            length: record[1],
+            gain: record[2],
+            per_whole: record[3],
+            knots: &record[SPAN_HEAD..],
+        }
     }
-    let mut low = degree;
-    let mut high = count;
+
+    /// The parameter of the whole domain that one of the span stands for.
+    #[inline(always)]
+    pub fn whole(&self, t: f32) -> f32 {
+        self.start + self.length * t
+    }
+
+    /// The span's parameter for one of the whole domain: 0 … 1, also where rounding would leave it.
+    #[inline(always)]
+    pub fn local(&self, t: f32) -> f32 {
+        ((t - self.start) / self.length).clamp(0.0, 1.0)
+    }
+}
+
+/// The span k with start\[k\] ≤ t < start\[k+1\] by binary search; at the end of the domain the last one (Kanai 2007, Sec. 3.1).
+///
+/// `starts` are where the spans start, and 1; `t` is in 0 … 1.
+#[inline(always)]
+pub fn find_span(starts: &[f32], t: f32) -> usize {
+    let mut low = 0;
+    let mut high = starts.len() - 1;
     while high - low > 1 {
         let middle = (low + high) / 2;
-        if t < knots[middle] {
+        if t < starts[middle] {
             high = middle;
         } else {
             low = middle;
@@ -63,20 +107,16 @@ pub fn find_span(knots: &[f32], degree: usize, count: usize, last: usize, t: f32
     low
 }
 
-/// Whether [`find_span`] gives `span` for `t`, which is not below U\[degree\].
-#[inline(always)]
-pub fn is_on_span(knots: &[f32], count: usize, last: usize, span: usize, t: f32) -> bool {
-    if t >= knots[count] { span == last } else { knots[span] <= t && t < knots[span + 1] }
-}
-
 /// The inverse triangle with first and, where asked, second derivatives (Kanai 2007, Eqs. 2, 3 and 6 with the minus
 /// sign of the Japanese text; Piegl & Tiller, A2.2 and Eq. 2.7).
+///
+/// `knots` are those of [`Span::knots`]. Derivatives are by t, times `gain`; second ones times its square.
 #[inline(always)]
 pub fn basis<const CAPACITY: usize, const N: usize>(
     knots: &[f32],
     degree: usize,
-    span: usize,
     t: Lanes<N>,
+    gain: f32,
     second: bool,
 ) -> Basis<CAPACITY, N> {
     let mut b =
@@ -87,8 +127,8 @@ pub fn basis<const CAPACITY: usize, const N: usize>(
     for j in 1..=degree {
         let mut saved = Lanes::ZERO;
         for r in 0..j {
-            let right = knots[span + r + 1];
-            let left = knots[span + 1 + r - j];
+            let right = knots[degree + r];
+            let left = knots[degree + r - j];
             reciprocal[r] = 1.0 / (right - left);
             term[r] = b.value[r] * reciprocal[r];
             b.value[r] = saved + (Lanes::splat(right) - t) * term[r];
@@ -96,28 +136,29 @@ pub fn basis<const CAPACITY: usize, const N: usize>(
         }
         b.value[j] = saved;
         if second && j + 1 == degree {
-            b.second = differences::<CAPACITY, N>(&term, j);
+            b.second = differences::<CAPACITY, N>(&term, j, gain);
         }
     }
-    b.first = differences::<CAPACITY, N>(&term, degree);
+    b.first = differences::<CAPACITY, N>(&term, degree, gain);
     if second {
         // N' of degree p − 1 stands in b.second (zeros for p = 1): differences once more.
         for r in 0..degree {
             term[r] = b.second[r] * reciprocal[r];
         }
-        b.second = differences::<CAPACITY, N>(&term, degree);
+        b.second = differences::<CAPACITY, N>(&term, degree, gain);
     }
     b
 }
 
-/// N'_r = p (term_{r−1} − term_r).
+/// N'_r = p (term_{r−1} − term_r), times `gain`.
 #[inline(always)]
 fn differences<const CAPACITY: usize, const N: usize>(
     term: &[Lanes<N>; CAPACITY],
     degree: usize,
+    gain: f32,
 ) -> [Lanes<N>; CAPACITY] {
     let mut d = [Lanes::ZERO; CAPACITY];
-    let p = degree as f32;
+    let p = degree as f32 * gain;
     d[0] = -term[0] * p;
     for r in 1..degree {
         d[r] = (term[r - 1] - term[r]) * p;
@@ -126,15 +167,13 @@ fn differences<const CAPACITY: usize, const N: usize>(
     d
 }
 
-/// S and its derivatives on given spans of a face.
+/// S and its derivatives by the parameters of a face's spans whose control points begin at `first`.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)] // the twin of a WGSL function
 pub fn surface<const CAPACITY: usize, const N: usize>(
     face: &FaceRecord,
     degree: [usize; 2],
     points: &[[f32; 4]],
-    span_u: usize,
-    span_v: usize,
+    first: [usize; 2],
     nu: &Basis<CAPACITY, N>,
     nv: &Basis<CAPACITY, N>,
     second: bool,
@@ -146,8 +185,8 @@ pub fn surface<const CAPACITY: usize, const N: usize>(
     let components = if face.flags & RATIONAL != 0 { 4 } else { 3 };
     for c in 0..components {
         for i in 0..=degree[0] {
-            let first = face.points as usize + (span_u - degree[0] + i) * face.count_v as usize + span_v - degree[1];
-            let points = &points[first..=first + degree[1]];
+            let start = face.points as usize + (first[0] + i) * face.count_v as usize + first[1];
+            let points = &points[start..=start + degree[1]];
             let [mut row, mut row_v, mut row_vv] = [Lanes::<N>::ZERO; 3];
             for j in 0..=degree[1] {
                 let point = points[j][c];

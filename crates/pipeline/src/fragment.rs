@@ -1,9 +1,9 @@
 //! The fragment program: from interpolated (u, v) and a face to what the pixel shows. Twin of `shaders/fragment.wgsl`.
 
 use crate::PackedScene;
-use crate::eval::{self, Basis, Derivatives};
+use crate::eval::{self, Basis, Derivatives, Span};
 use crate::lanes::{Lanes, Vec3};
-use crate::layout::{FaceRecord, REVERSED};
+use crate::layout::{FaceRecord, Parameters, REVERSED, SEARCHED};
 use nurbs::{MAX_ORDER, NormalStatus};
 
 /// How many fragments the rasterizer evaluates together.
@@ -14,9 +14,9 @@ pub const WIDTH: usize = 8;
 pub struct Fragment {
     /// The face.
     pub face: u32,
-    /// Local parameters, clamped to 0 … 1.
+    /// Parameters local to the span, clamped to 0 … 1.
     pub uv: [f32; 2],
-    /// Knot spans in u and v.
+    /// Spans in u and v, counted among those that are not empty.
     pub span: [u32; 2],
     /// S.
     pub position: [f32; 3],
@@ -26,7 +26,7 @@ pub struct Fragment {
     pub status: NormalStatus,
     /// Principal curvatures in local units, greater first; zero unless asked for and regular.
     pub curvature: [f32; 2],
-    /// |S_u| and |S_v| in local units.
+    /// |S_u| and |S_v| in local units, by the span's parameters, times the span's gains.
     pub speed: [f32; 2],
     /// From the pixel's centre to the face's nearest trim edge, pixels, right and down; not set by the program itself,
     /// which knows of no picture, but by [`crate::edge`].
@@ -36,105 +36,119 @@ pub struct Fragment {
 /// The tangent plane that a fragment evaluates, in the face's local coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TangentPlane {
-    /// Local parameters, clamped to 0 … 1.
+    /// Parameters of the whole domain, 0 … 1, inside it.
     pub uv: [f32; 2],
+    /// Whether the fragment's parameters were beyond the domain: it is on a skirt.
+    pub on_skirt: bool,
     /// S.
     pub s: [f32; 3],
-    /// S_u.
+    /// S_u, by the parameter of the whole domain.
     pub su: [f32; 3],
     /// S_v.
     pub sv: [f32; 3],
 }
 
 /// Runs the program for one fragment.
-pub fn fragment(scene: &PackedScene, face: u32, uv: [f32; 2], curvature: bool) -> Fragment {
+pub fn fragment(scene: &PackedScene, face: u32, at: Parameters, curvature: bool) -> Fragment {
     let mut out = Vec::with_capacity(1);
-    fragment_row(scene, face, &[uv], curvature, &mut out);
+    fragment_row(scene, face, &[at], curvature, &mut out);
     out[0]
 }
 
 /// Runs the program for fragments of one face and appends them to `out`. Up to [`WIDTH`] that follow each other on the
 /// same spans go together; the answers are the same, to the bit, however they fall into groups.
-pub fn fragment_row(scene: &PackedScene, face: u32, uv: &[[f32; 2]], curvature: bool, out: &mut Vec<Fragment>) {
+pub fn fragment_row(scene: &PackedScene, face: u32, at: &[Parameters], curvature: bool, out: &mut Vec<Fragment>) {
     let f = &scene.faces[face as usize];
-    row(scene, f, uv, curvature, out, |lane, uv, span| lane.fragment(f, face, uv, span));
+    row(scene, f, at, curvature, out, |lane, at, _| lane.fragment(f, face, at));
 }
 
 /// The tangent planes of fragments of one face: the same numbers as in the program, appended to `out`.
-pub fn tangent_planes(scene: &PackedScene, face: u32, uv: &[[f32; 2]], out: &mut Vec<TangentPlane>) {
+pub fn tangent_planes(scene: &PackedScene, face: u32, at: &[Parameters], out: &mut Vec<TangentPlane>) {
     let f = &scene.faces[face as usize];
-    row(scene, f, uv, false, out, |lane, uv, _| lane.tangent_plane(uv));
+    let mut k = 0;
+    row(scene, f, at, false, out, |lane, found, spans| {
+        k += 1;
+        lane.tangent_plane(found, is_on_skirt(f, at[k - 1]), spans)
+    });
 }
 
 /// One tangent plane.
-pub fn tangent_plane(scene: &PackedScene, face: u32, uv: [f32; 2]) -> TangentPlane {
+pub fn tangent_plane(scene: &PackedScene, face: u32, at: Parameters) -> TangentPlane {
     let f = &scene.faces[face as usize];
-    let uv = clamp(uv);
-    specialised::<1>(scene, f, spans(scene, f, uv), [uv], false).lane(0).tangent_plane(uv)
+    let found = found(scene, f, at);
+    let spans = scene.spans(f, found.span);
+    specialised::<1>(scene, f, &spans, [found.uv], false).lane(0).tangent_plane(found, is_on_skirt(f, at), &spans)
 }
 
-/// The knot spans of parameters inside the domain.
-fn spans(scene: &PackedScene, f: &FaceRecord, [u, v]: [f32; 2]) -> [usize; 2] {
-    let [ku, kv] = scene.knots(f);
-    [
-        eval::find_span(ku, f.degree_u as usize, f.count_u as usize, f.last_u as usize, u),
-        eval::find_span(kv, f.degree_v as usize, f.count_v as usize, f.last_v as usize, v),
-    ]
+/// Whether parameters are beyond the domain.
+#[inline(always)]
+fn is_on_skirt(f: &FaceRecord, Parameters { span, uv }: Parameters) -> bool {
+    let last = [f.spans_u - 1, f.spans_v - 1];
+    (0..2).any(|k| (uv[k] < 0.0 && span[k] == 0) || (uv[k] > 1.0 && span[k] == last[k]))
 }
 
-/// Evaluates a face at all `uv` and appends what `finish` makes of each.
+/// The spans and the parameters on them, inside 0 … 1: interpolation may leave a span by a rounding error.
+#[inline(always)]
+fn found(scene: &PackedScene, f: &FaceRecord, at: Parameters) -> Parameters {
+    let uv = at.uv.map(|t| t.clamp(0.0, 1.0));
+    if at.span[0] != SEARCHED {
+        return Parameters { uv, ..at };
+    }
+    let starts = scene.starts(f);
+    let span = [0, 1].map(|k| eval::find_span(starts[k], uv[k]) as u32);
+    let spans = scene.spans(f, span);
+    Parameters { span, uv: [0, 1].map(|k| spans[k].local(uv[k])) }
+}
+
+/// Evaluates a face at all places and appends what `finish` makes of each.
 fn row<T>(
     scene: &PackedScene,
     f: &FaceRecord,
-    uv: &[[f32; 2]],
+    at: &[Parameters],
     curvature: bool,
     out: &mut Vec<T>,
-    finish: impl Fn(Lane, [f32; 2], [usize; 2]) -> T,
+    mut finish: impl FnMut(Lane, Parameters, &[Span; 2]) -> T,
 ) {
-    let [ku, kv] = scene.knots(f);
-    let [count, last] = [[f.count_u, f.count_v], [f.last_u, f.last_v]].map(|pair| pair.map(|x| x as usize));
-    out.reserve(uv.len());
-    let mut rest = uv;
-    while let Some(&first) = rest.first() {
-        let first = clamp(first);
-        let span = spans(scene, f, first);
-        let is_alike = |uv: [f32; 2]| {
-            let [u, v] = clamp(uv);
-            eval::is_on_span(ku, count[0], last[0], span[0], u) && eval::is_on_span(kv, count[1], last[1], span[1], v)
-        };
-        let run = 1 + rest[1..].iter().take(WIDTH - 1).take_while(|uv| is_alike(**uv)).count();
-        let (now, later) = rest.split_at(run);
-        if run == 1 {
-            let all = specialised::<1>(scene, f, span, [first], curvature);
-            out.push(finish(all.lane(0), first, span));
-        } else {
-            let padded = std::array::from_fn(|i| clamp(now[i.min(run - 1)]));
-            let all = specialised::<WIDTH>(scene, f, span, padded, curvature);
-            out.extend((0..run).map(|i| finish(all.lane(i), padded[i], span)));
+    out.reserve(at.len());
+    let mut waiting = [Parameters { span: [0; 2], uv: [0.0; 2] }; WIDTH];
+    let mut rest = at;
+    while !rest.is_empty() {
+        let mut run = 0;
+        while run < rest.len().min(WIDTH) {
+            let next = found(scene, f, rest[run]);
+            if run > 0 && next.span != waiting[0].span {
+                break;
+            }
+            waiting[run] = next;
+            run += 1;
         }
-        rest = later;
+        let spans = scene.spans(f, waiting[0].span);
+        if run == 1 {
+            let all = specialised::<1>(scene, f, &spans, [waiting[0].uv], curvature);
+            out.push(finish(all.lane(0), waiting[0], &spans));
+        } else {
+            let padded = std::array::from_fn(|i| waiting[i.min(run - 1)].uv);
+            let all = specialised::<WIDTH>(scene, f, &spans, padded, curvature);
+            out.extend((0..run).map(|i| finish(all.lane(i), waiting[i], &spans)));
+        }
+        rest = &rest[run..];
     }
-}
-
-/// Interpolation may leave the domain by a rounding error; the surface ends there.
-fn clamp(uv: [f32; 2]) -> [f32; 2] {
-    uv.map(|t| t.clamp(0.0, 1.0))
 }
 
 /// A specialised program knows its degree; the compiler then unrolls every loop.
 fn specialised<const N: usize>(
     scene: &PackedScene,
     f: &FaceRecord,
-    span: [usize; 2],
+    spans: &[Span; 2],
     uv: [[f32; 2]; N],
     curvature: bool,
 ) -> Evaluated<N> {
     match [f.degree_u, f.degree_v] {
-        [3, 3] if curvature => evaluate::<4, N>(scene, f, [3, 3], span, uv, true),
-        [3, 3] => evaluate::<4, N>(scene, f, [3, 3], span, uv, false),
-        [5, 5] if curvature => evaluate::<6, N>(scene, f, [5, 5], span, uv, true),
-        [5, 5] => evaluate::<6, N>(scene, f, [5, 5], span, uv, false),
-        [p, q] => evaluate::<MAX_ORDER, N>(scene, f, [p as usize, q as usize], span, uv, curvature),
+        [3, 3] if curvature => evaluate::<4, N>(scene, f, [3, 3], spans, uv, true),
+        [3, 3] => evaluate::<4, N>(scene, f, [3, 3], spans, uv, false),
+        [5, 5] if curvature => evaluate::<6, N>(scene, f, [5, 5], spans, uv, true),
+        [5, 5] => evaluate::<6, N>(scene, f, [5, 5], spans, uv, false),
+        [p, q] => evaluate::<MAX_ORDER, N>(scene, f, [p as usize, q as usize], spans, uv, curvature),
     }
 }
 
@@ -155,16 +169,16 @@ fn evaluate<const CAPACITY: usize, const N: usize>(
     scene: &PackedScene,
     f: &FaceRecord,
     degree: [usize; 2],
-    span: [usize; 2],
+    spans: &[Span; 2],
     uv: [[f32; 2]; N],
     second: bool,
 ) -> Evaluated<N> {
-    let [ku, kv] = scene.knots(f);
     let u = Lanes(uv.map(|uv| uv[0]));
     let v = Lanes(uv.map(|uv| uv[1]));
-    let nu: Basis<CAPACITY, N> = eval::basis(ku, degree[0], span[0], u, second);
-    let nv: Basis<CAPACITY, N> = eval::basis(kv, degree[1], span[1], v, second);
-    let d: Derivatives<N> = eval::surface(f, degree, &scene.points, span[0], span[1], &nu, &nv, second);
+    let [span_u, span_v] = spans;
+    let nu: Basis<CAPACITY, N> = eval::basis(span_u.knots, degree[0], u, span_u.gain, second);
+    let nv: Basis<CAPACITY, N> = eval::basis(span_v.knots, degree[1], v, span_v.gain, second);
+    let d: Derivatives<N> = eval::surface(f, degree, &scene.points, [span_u.first, span_v.first], &nu, &nv, second);
     let (n, n_squared, su_squared, sv_squared) = eval::normal_terms(&d);
     let length = n_squared.sqrt();
     let n = n.map(|x| x / length);
@@ -210,12 +224,18 @@ impl<const N: usize> Evaluated<N> {
 
 impl Lane {
     #[inline(always)]
-    fn tangent_plane(&self, uv: [f32; 2]) -> TangentPlane {
-        TangentPlane { uv, s: self.position, su: self.su, sv: self.sv }
+    fn tangent_plane(&self, at: Parameters, on_skirt: bool, spans: &[Span; 2]) -> TangentPlane {
+        TangentPlane {
+            uv: [0, 1].map(|k| spans[k].whole(at.uv[k])),
+            on_skirt,
+            s: self.position,
+            su: self.su.map(|x| x * spans[0].per_whole),
+            sv: self.sv.map(|x| x * spans[1].per_whole),
+        }
     }
 
     #[inline(always)]
-    fn fragment(&self, f: &FaceRecord, face: u32, uv: [f32; 2], span: [usize; 2]) -> Fragment {
+    fn fragment(&self, f: &FaceRecord, face: u32, at: Parameters) -> Fragment {
         let regular = eval::is_regular(self.n_squared, self.squared[0], self.squared[1]);
         let mut normal = [0.0; 3];
         let mut curvature = [0.0; 2];
@@ -228,8 +248,8 @@ impl Lane {
         }
         Fragment {
             face,
-            uv,
-            span: span.map(|s| s as u32),
+            uv: at.uv,
+            span: at.span,
             position: self.position,
             normal,
             status: if regular { NormalStatus::Regular } else { NormalStatus::Undefined },

@@ -12,7 +12,22 @@ pub const REVERSED: u32 = 2;
 /// ([`crate::sight::is_shown`]); a tessellation of it goes on beyond the border.
 pub const BOUNDED: u32 = 4;
 
+/// [`Vertex::span`] where parameters are those of the whole domain: the program finds the knot span by binary search
+/// (Kanai 2007, Sec. 3.1).
+pub const SEARCHED: u32 = u32::MAX;
+
+/// Numbers of a span's record before its knots: [`crate::eval::Span`].
+pub const SPAN_HEAD: usize = 4;
+
 /// Where a face's numbers stand in the shared knot and point arrays. 48 bytes.
+///
+/// Spans are the knot spans that are not empty, counted from 0. A direction's table among the knots holds, for `spans` spans of
+/// degree p:
+///
+/// | numbers | what |
+/// | --- | --- |
+/// | spans + 1 | where each span starts, in parameters of the whole domain, 0 … 1; last, 1 |
+/// | 4 + 2 p for each span | its [`Span`](crate::eval::Span): first control point, length, gain, 1 / (length × gain), and the 2 p knots that its basis functions rest on, moved so that the span is 0 … 1 |
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 pub struct FaceRecord {
@@ -20,20 +35,18 @@ pub struct FaceRecord {
     pub degree_u: u32,
     /// Degree in v.
     pub degree_v: u32,
-    /// Number of control points in u.
-    pub count_u: u32,
-    /// Number of control points in v.
-    pub count_v: u32,
-    /// Index of the first of the count_u + degree_u + 1 knots in u.
-    pub knots_u: u32,
-    /// Index of the first knot in v.
-    pub knots_v: u32,
+    /// Number of spans in u.
+    pub spans_u: u32,
+    /// Number of spans in v.
+    pub spans_v: u32,
+    /// Index of the first number of the table of spans in u.
+    pub table_u: u32,
+    /// Index of the first number of the table of spans in v.
+    pub table_v: u32,
     /// Index of the first control point; row-major in u.
     pub points: u32,
-    /// The last nonempty span in u: the span of the domain's end.
-    pub last_u: u32,
-    /// The last nonempty span in v.
-    pub last_v: u32,
+    /// Number of control points in v: a row's length.
+    pub count_v: u32,
     /// [`RATIONAL`], [`REVERSED`] and [`BOUNDED`].
     pub flags: u32,
     /// Index among the knots of the first number of the face's region ([`crate::trim`]), or of its mask's place
@@ -41,6 +54,24 @@ pub struct FaceRecord {
     pub trims: u32,
     /// Number of the region's intervals, or 1 for a mask; 0 where the face is its whole surface.
     pub intervals: u32,
+    /// Unused: 48 bytes.
+    pub padding: u32,
+}
+
+/// A place of a face: parameters local to a Bézier piece, so that f32 resolves any span that f64 does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// Spans in u and v, counted among those that are not empty; [`SEARCHED`] where `uv` are those of the whole domain.
+    pub span: [u32; 2],
+    /// 0 … 1 across the span.
+    pub uv: [f32; 2],
+}
+
+impl Parameters {
+    /// A place by parameters of the whole domain, 0 … 1: the program finds the span.
+    pub fn searched(uv: [f32; 2]) -> Self {
+        Self { span: [SEARCHED; 2], uv }
+    }
 }
 
 /// How a face's local coordinates are seen. 96 bytes.
@@ -65,29 +96,31 @@ pub struct PieceRecord {
     pub hull_from_local: [[f32; 4]; 3],
     /// Parameters at the hull's centre, then what they gain along its first two coordinates: the piece as if it were flat.
     pub flat: [f32; 4],
-    /// The piece's local parameters: u from, v from, u to, v to.
+    /// The piece's parameters, local to its spans: u from, v from, u to, v to.
     pub rectangle: [f32; 4],
     /// The face.
     pub face: u32,
-    /// Its knot span in u.
+    /// Its span in u.
     pub span_u: u32,
-    /// Its knot span in v.
+    /// Its span in v.
     pub span_v: u32,
     /// How many steps that promise little a search on it takes before it gives up: 0, but where the piece is far from
     /// flat in its parameters.
     pub patience: u32,
 }
 
-/// A corner of a proxy triangle. 36 bytes.
+/// A corner of a proxy triangle. 44 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
     /// S(u, v), or a hull's corner, in the face's local coordinates.
     pub position: [f32; 3],
-    /// Local parameters, 0 to 1 over the domain and beyond it at the corner of a skirt; zeros at a hull's corner.
+    /// [`Parameters::uv`], beyond 0 … 1 at the corner of a skirt; zeros at a hull's corner.
     pub uv: [f32; 2],
     /// The face.
     pub face: u32,
+    /// [`Parameters::span`]; zeros at a hull's corner.
+    pub span: [u32; 2],
     /// Unit normal of the surface there (zero where it has none, and at a hull's corner), for interpolated
     /// shading only.
     pub normal: [f32; 3],
@@ -101,7 +134,7 @@ mod tests {
     fn records_have_the_sizes_that_wgsl_gives_them() {
         assert_eq!(size_of::<FaceRecord>(), 48);
         assert_eq!(size_of::<View>(), 96);
-        assert_eq!(size_of::<Vertex>(), 36);
+        assert_eq!(size_of::<Vertex>(), 44);
         assert_eq!(size_of::<PieceRecord>(), 96);
     }
 }

@@ -20,7 +20,7 @@ pub mod trim;
 pub mod wgsl;
 
 pub use lanes::Lanes;
-pub use layout::{BOUNDED, FaceRecord, PieceRecord, RATIONAL, REVERSED, Vertex, View};
+pub use layout::{BOUNDED, FaceRecord, Parameters, PieceRecord, RATIONAL, REVERSED, SEARCHED, Vertex, View};
 pub use pack::{PackError, PackedFrame, PackedScene, Program, Scheme};
 pub use proxy::{Batch, DEFAULT_CHORD_PX, Proxy, ProxyError};
 pub use sight::{Footprint, Sight};

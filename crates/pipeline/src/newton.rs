@@ -12,18 +12,19 @@
 //!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
 //!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
 //!   that border the search slides along. A
-//!   step that brings the offset no nearer to zero is halved, up to [`HALVINGS`] times.
+//!   step that brings the offset no nearer to zero is halved, up to [`HALVINGS`] times. Behind the eye the offset is taken
+//!   times w, which has the same zeros and no pole: from there the search comes forward, and never goes back.
 //! * **End.** Where the step is so short that it is as good as exact: it is taken and not evaluated, for what it leaves
 //!   is quadratic in it and bounded by how far a piece turns ([`LAST_BEND_PX`]) and recedes; on a twisted piece only an
 //!   offset that was evaluated counts. Or where the tangent plane, followed as far as
 //!   the step may go, brings the offset not even to half ([`PROMISE`]): it has a minimum there that is no zero, or the
 //!   ray passes the piece. Where the tangent plane promises much and holds little, close by a fold
 //!   ([`NEAR_FOLD_PX`]), and where a collapsed edge twists the piece, the search has some
-//!   [patience](PieceRecord::patience). Or after
-//!   [`EVALUATIONS`].
+//!   [patience](PieceRecord::patience). Where no step comes nearer, for all is within what f32 leaves of S and of the
+//!   parameters ([`ROUNDING`]), the place is as good as any. Or after [`EVALUATIONS`].
 //! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] of its border, between the near
-//!   and the far plane. A miss where it lies beyond, or where no step promised enough. Anything else has not converged,
-//!   and says so.
+//!   and the far plane. A miss where it lies beyond, or where no step promised enough, in front of the eye. Anything else has
+//!   not converged, and says so.
 
 mod fold;
 
@@ -32,7 +33,7 @@ pub use fold::{ASIDE, QUEUE, SAMPLES, SHORT};
 use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives};
 use crate::lanes::Lanes;
-use crate::layout::PieceRecord;
+use crate::layout::{FaceRecord, PieceRecord};
 use crate::sight::{Footprint, NEAR_PX, NEARLY_SINGULAR, Sight, across, dot, is_shown, near_px, plane};
 use fold::Queue;
 use nurbs::MAX_ORDER;
@@ -48,6 +49,10 @@ pub const LAST_BEND_PX: f32 = 1.0 / 128.0;
 
 /// An offset that counts as none, pixels. At a silhouette Newton's step is long however small the offset.
 pub const FINE_PX: f32 = 1.0 / 1024.0;
+
+/// What f32 may leave of an offset, as a share of the pixels that the face's own frame measures: eight roundings of S, and of
+/// parameters that are at most 1.
+pub const ROUNDING: f32 = 1.0 / 2097152.0;
 
 /// The least share of the squared offset that a step must promise to take away.
 pub const PROMISE: f32 = 3.0 / 4.0;
@@ -96,7 +101,7 @@ pub const DAMPING: f32 = 1.0 / 1048576.0;
 pub enum Outcome {
     /// The pixel's ray meets it.
     Hit {
-        /// Local parameters, inside the piece.
+        /// Parameters of the span, inside the piece.
         uv: [f32; 2],
         /// z / w there.
         depth: f32,
@@ -121,10 +126,12 @@ pub struct Solution {
 struct Place {
     uv: [f32; 2],
     w: f32,
-    /// Offset from the pixel, pixels.
+    /// Offset from the pixel, pixels; behind the eye, where w is not positive, this and all that follows are times w.
     offset: [f32; 2],
-    /// Its square; the greatest number behind the eye.
+    /// Its square.
     squared: f32,
+    /// The square of what f32 may leave of it.
+    rounding_squared: f32,
     /// Derivative of the offset by u times the piece's extent in u.
     along_u: [f32; 2],
     /// The same for v.
@@ -238,13 +245,13 @@ impl Problem<'_> {
             let end = self.search::<CAPACITY>(queue.seeds[k]);
             best = match (best, end.outcome) {
                 (Outcome::Hit { depth: old, .. }, Outcome::Hit { depth: new, .. }) if new <= old => best,
-                (_, Outcome::Hit { uv, .. }) if is_shown(self.scene, face, &footprint(self.piece, &end.at, uv)) => {
+                (_, Outcome::Hit { uv, .. }) if is_shown(self.scene, face, &self.footprint(face, &end.at, uv)) => {
                     end.outcome
                 }
                 (Outcome::Miss, Outcome::Unconverged) => end.outcome,
                 _ => best,
             };
-            if k < given && is_edge_on(&end.at) && !near(end.at.uv, before, ONE_END) {
+            if k < given && end.at.w > 0.0 && is_edge_on(&end.at) && !near(end.at.uv, before, ONE_END) {
                 let is_met = matches!(end.outcome, Outcome::Hit { .. });
                 fold::again::<CAPACITY>(self, &end.at, is_met, &mut queue);
             }
@@ -267,14 +274,16 @@ impl Problem<'_> {
             let (mut improved, mut slow) = (true, false);
             if k > 0 {
                 let next = self.place::<CAPACITY>(uv);
-                improved = next.squared < best.squared;
-                slow = next.squared > (1.0 - SLOW) * best.squared;
+                let comes_forward = best.w <= 0.0 && next.w > 0.0;
+                let goes_back = best.w > 0.0 && next.w <= 0.0;
+                improved = comes_forward || (!goes_back && next.squared < best.squared);
+                slow = !comes_forward && next.squared > (1.0 - SLOW) * best.squared;
                 if improved {
                     best = next;
                     step = slid(&best, newton_step(&best), low, high);
                     halvings = 0;
                 } else if halvings == HALVINGS {
-                    return End { outcome: Outcome::Miss, at: best };
+                    return End { outcome: stopped(piece, &best, !goes_back), at: best };
                 } else {
                     step = step.map(|x| x * 0.5);
                     halvings += 1;
@@ -284,25 +293,26 @@ impl Problem<'_> {
             let bend = longest * longest;
             let recedes = best.recedes[0] * step[0] + best.recedes[1] * step[1];
             let is_last = piece.patience == 0
+                && best.w > 0.0
                 && bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
                 && recedes * recedes * best.squared <= FINE_PX * FINE_PX
                 && left_squared(&best, step) <= FINE_PX * FINE_PX;
             if is_last {
                 return End { outcome: arrived(piece, &best, step), at: best };
             }
-            if best.squared <= FINE_PX * FINE_PX {
+            if best.w > 0.0 && best.squared <= FINE_PX * FINE_PX {
                 return End { outcome: arrived(piece, &best, [0.0; 2]), at: best };
             }
             uv = [0, 1].map(|k| (best.uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
             let promising = promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k]));
             if improved && (slow || !promising) {
                 if doubts >= patience(piece, &best, promising) || uv == best.uv {
-                    return End { outcome: Outcome::Miss, at: best };
+                    return End { outcome: stopped(piece, &best, true), at: best };
                 }
                 doubts += 1;
             }
         }
-        End { outcome: Outcome::Unconverged, at: best }
+        End { outcome: stopped(piece, &best, false), at: best }
     }
 
     #[inline(always)]
@@ -310,26 +320,29 @@ impl Problem<'_> {
         let &Self { scene, piece, sight, degree, ref evaluations } = self;
         evaluations.set(evaluations.get() + 1);
         let face = &scene.faces[piece.face as usize];
-        let [ku, kv] = scene.knots(face);
-        let [span_u, span_v] = [piece.span_u as usize, piece.span_v as usize];
-        let nu: Basis<CAPACITY, 1> = eval::basis(ku, degree[0], span_u, Lanes([uv[0]]), false);
-        let nv: Basis<CAPACITY, 1> = eval::basis(kv, degree[1], span_v, Lanes([uv[1]]), false);
-        let d: Derivatives<1> = eval::surface(face, degree, &scene.points, span_u, span_v, &nu, &nv, false);
+        let [span_u, span_v] = scene.spans(face, [piece.span_u, piece.span_v]);
+        let nu: Basis<CAPACITY, 1> = eval::basis(span_u.knots, degree[0], Lanes([uv[0]]), 1.0, false);
+        let nv: Basis<CAPACITY, 1> = eval::basis(span_v.knots, degree[1], Lanes([uv[1]]), 1.0, false);
+        let first = [span_u.first, span_v.first];
+        let d: Derivatives<1> = eval::surface(face, degree, &scene.points, first, &nu, &nv, false);
         let [s, su, sv] = [d.s, d.su, d.sv].map(|x| x.map(|x| x.0[0]));
         let extent = extent(piece);
         let w = plane(&sight.w, s);
-        let [x, y, depth] = [&sight.x, &sight.y, &sight.z].map(|p| plane(p, s) / w);
-        let (offset, value) = ([x, y], [x, y, depth]);
-        let along = |derivative, extent: f32| sight.along(value, derivative).map(|slope| slope * (extent / w));
+        let divisor = if w > 0.0 { w } else { 1.0 };
+        let [x, y, depth] = [&sight.x, &sight.y, &sight.z].map(|p| plane(p, s) / divisor);
+        // Times w, the offset has slopes of its own.
+        let (offset, value) = ([x, y], if w > 0.0 { [x, y, depth] } else { [0.0; 3] });
+        let along = |derivative, extent: f32| sight.along(value, derivative).map(|slope| slope * (extent / divisor));
         let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
-        let squared_pixels = sight.squared_pixels(w);
+        let squared_pixels = sight.squared_pixels(divisor);
         let side_u = dot(su, su) * (extent[0] * extent[0]) * squared_pixels;
         let side_v = dot(sv, sv) * (extent[1] * extent[1]) * squared_pixels;
         Place {
             uv,
             w,
             offset,
-            squared: if w > 0.0 { offset[0] * offset[0] + offset[1] * offset[1] } else { f32::MAX },
+            squared: offset[0] * offset[0] + offset[1] * offset[1],
+            rounding_squared: ROUNDING * ROUNDING * squared_pixels * (1.0 + (dot(su, su) + dot(sv, sv))),
             along_u: [along_u[0], along_u[1]],
             along_v: [along_v[0], along_v[1]],
             side_squared: side_u.max(side_v),
@@ -338,15 +351,17 @@ impl Problem<'_> {
             depth: [depth, along_u[2], along_v[2]],
         }
     }
-}
 
-/// The footprint of a pixel whose ray meets the piece at `uv`, by the place where the search came to know.
-fn footprint(piece: &PieceRecord, at: &Place, uv: [f32; 2]) -> Footprint {
-    let (right, up) = across(at.along_u, at.along_v);
-    let extent = extent(piece);
-    let gain = |gain: [f32; 2]| [0, 1].map(|k| gain[k] * extent[k]);
-    let near_px = near_px(at.along_u, at.along_v, at.sides_squared);
-    Footprint { center: uv, right: gain(right), up: gain(up), near_px, step_squared: 0.0 }
+    /// The footprint of a pixel whose ray meets the piece at `uv`, by the place where the search came to know.
+    fn footprint(&self, face: &FaceRecord, at: &Place, uv: [f32; 2]) -> Footprint {
+        let spans = self.scene.spans(face, [self.piece.span_u, self.piece.span_v]);
+        let (right, up) = across(at.along_u, at.along_v);
+        let extent = extent(self.piece);
+        let gain = |gain: [f32; 2]| [0, 1].map(|k| gain[k] * (extent[k] * spans[k].length));
+        let center = [0, 1].map(|k| spans[k].whole(uv[k]));
+        let near_px = near_px(at.along_u, at.along_v, at.sides_squared);
+        Footprint { center, right: gain(right), up: gain(up), near_px, step_squared: 0.0 }
+    }
 }
 
 /// A parameter moved into the part of the piece where seeds may stand.
@@ -383,6 +398,19 @@ fn patience(piece: &PieceRecord, at: &Place, promised: bool) -> u32 {
     }
 }
 
+/// What it means to end at a place from which no step comes nearer (`settled`), or none was left to try.
+#[inline]
+fn stopped(piece: &PieceRecord, at: &Place, settled: bool) -> Outcome {
+    let on_ray = at.squared <= at.rounding_squared;
+    if at.w > 0.0 && on_ray {
+        arrived(piece, at, [0.0; 2])
+    } else if settled && (at.w > 0.0 || on_ray) {
+        Outcome::Miss
+    } else {
+        Outcome::Unconverged
+    }
+}
+
 /// What it means to end at a place and a step from there.
 #[inline]
 fn arrived(piece: &PieceRecord, at: &Place, step: [f32; 2]) -> Outcome {
@@ -401,7 +429,7 @@ fn arrived(piece: &PieceRecord, at: &Place, step: [f32; 2]) -> Outcome {
 /// may come.
 #[inline]
 fn promises(at: &Place, step: [f32; 2]) -> bool {
-    at.squared == f32::MAX || left_squared(at, step) <= (1.0 - PROMISE) * at.squared
+    at.w <= 0.0 || left_squared(at, step) <= (1.0 - PROMISE) * at.squared
 }
 
 /// The square of the offset that a step along the tangent plane leaves.

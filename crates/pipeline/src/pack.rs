@@ -1,12 +1,14 @@
 //! From f64 to f32: the one place that narrows.
 //!
-//! Each face moves to its own origin and to a scale that is a power of two, so that its control box fills −1 … 1;
-//! each knot domain becomes 0 … 1. What is lost is 2⁻²⁴ of the face's own size, wherever in the world it lies.
+//! Each face moves to its own origin and to a scale that is a power of two, so that its control box fills −1 … 1; each
+//! knot span that is not empty becomes 0 … 1, with the knots around it. What is lost is 2⁻²⁴ of the face's own size, wherever in
+//! the world it lies, and 2⁻²⁴ of a span, however short it is.
 
+use crate::eval::Span;
 use crate::fragment::Fragment;
-use crate::layout::{BOUNDED, FaceRecord, RATIONAL, REVERSED, View};
+use crate::layout::{BOUNDED, FaceRecord, Parameters, RATIONAL, REVERSED, SEARCHED, SPAN_HEAD, View};
 use crate::mask::{self, Masks};
-use gbuffer::{Hit, PrincipalCurvatures};
+use gbuffer::{Hit, LocalParameters, PrincipalCurvatures};
 use glam::{DMat4, DVec2, DVec3};
 use nurbs::{Direction, KnotVector, Normal, NormalStatus, Surface};
 use scene::{Camera, FaceId, Model, Projection, Ray, Viewport};
@@ -58,15 +60,19 @@ pub enum PackError {
 /// The most control points or knots of a packed scene: their bytes stay below 4 GiB, the reach of a GPU binding.
 pub(crate) const GREATEST_COUNT: usize = 1 << 27;
 
+/// How far from a span, in lengths of it, a knot is put at most: what lies beyond changes the basis functions on the span by less
+/// than f32 can tell.
+const FARTHEST_KNOT: f64 = (1u64 << 60) as f64;
+
 /// How a face's local coordinates and parameters become the model's.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PackedFrame {
     /// World position of the local origin.
     pub origin: DVec3,
     /// Model units a local unit; a power of two.
     pub scale: f64,
-    /// The knot domain \[\[u0, u1\], \[v0, v1\]\] that 0 … 1 stands for.
-    pub domain: [[f64; 2]; 2],
+    /// The ends of the knot spans that are not empty, in u and v, ascending: span k is from number k to k + 1.
+    pub breaks: [Vec<f64>; 2],
     /// How near an edge of a trimmed face may pass a fragment that is told the wrong side of it, in u and v, local
     /// parameters; zeros where the face is whole.
     pub edge_band: DVec2,
@@ -83,12 +89,30 @@ impl PackedFrame {
         ((world - self.origin) / self.scale).to_array().map(|x| x as f32)
     }
 
-    /// Parameters in the knot domain from local ones; 1 gives the domain's end exactly.
-    pub fn uv(&self, local: [f32; 2]) -> DVec2 {
-        let one = |[start, end]: [f64; 2], t: f32| {
-            if t >= 1.0 { end } else { start + (end - start) * f64::from(t) }
+    /// Parameters in the knot domain from those of a span; 1 gives the span's end exactly.
+    ///
+    /// # Panics
+    /// Where the face has no such span.
+    pub fn uv(&self, span: [u32; 2], local: [f32; 2]) -> DVec2 {
+        let one = |k: usize| {
+            let [start, end] = self.span(k, span[k]);
+            let t = f64::from(local[k]);
+            if t >= 1.0 { end } else { start + (end - start) * t }
         };
-        DVec2::new(one(self.domain[0], local[0]), one(self.domain[1], local[1]))
+        DVec2::new(one(0), one(1))
+    }
+
+    /// How many Bézier pieces the face has.
+    pub fn pieces(&self) -> usize {
+        (self.breaks[0].len() - 1) * (self.breaks[1].len() - 1)
+    }
+
+    /// The ends of a span in direction `k` (0 for u, 1 for v), in the knot domain.
+    ///
+    /// # Panics
+    /// Where the face has no such span.
+    pub fn span(&self, k: usize, span: u32) -> [f64; 2] {
+        [self.breaks[k][span as usize], self.breaks[k][span as usize + 1]]
     }
 }
 
@@ -117,7 +141,7 @@ impl PackedScene {
     /// # Errors
     /// [`PackError`] where the model is too large to index or a face has no usable size.
     pub fn new(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
-        Self::whole(model, scheme)?.trimmed(model)
+        Self::untrimmed(model, scheme)?.trimmed(model)
     }
 
     /// As [`Self::new`], for fragments that look for the trim edge that passes by.
@@ -125,7 +149,7 @@ impl PackedScene {
     /// # Errors
     /// As of [`Self::new`].
     pub fn with_edges(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
-        Self { edges: true, ..Self::whole(model, scheme)? }.trimmed(model)
+        Self { edges: true, ..Self::untrimmed(model, scheme)? }.trimmed(model)
     }
 
     /// The whole surfaces with all regions.
@@ -146,7 +170,7 @@ impl PackedScene {
     /// # Errors
     /// As of [`Self::new`].
     pub fn masked(model: &Model, scheme: Scheme, masks: Masks) -> Result<Self, PackError> {
-        let mut packed = Self::whole(model, scheme)?;
+        let mut packed = Self::untrimmed(model, scheme)?;
         for (id, tile) in masks.plan.tiles.iter().enumerate() {
             if let Some(tile) = tile {
                 (packed.faces[id].trims, packed.faces[id].intervals) = (packed.knots.len() as u32, 1);
@@ -158,7 +182,7 @@ impl PackedScene {
     }
 
     /// Packs the whole surfaces.
-    fn whole(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
+    fn untrimmed(model: &Model, scheme: Scheme) -> Result<Self, PackError> {
         let mut packed = Self {
             faces: vec![],
             knots: vec![],
@@ -187,11 +211,11 @@ impl PackedScene {
         let size = surface.hull().diagonal() / 2.0;
         let scale = power_of_two_above(size).ok_or(PackError::Scale { face: id, size })?;
         let greatest = surface.weights().map_or(1.0, |w| w.iter().fold(0.0, |m: f64, &w| m.max(w)));
-        let unit = power_of_two_above(greatest).expect("weights are positive and finite");
+        let unit = power_of_two_below(greatest);
         let rational = surface.weights().is_some_and(|w| w.iter().any(|&x| x != w[0]));
         let [count_u, count_v] = surface.control_counts();
-        let knots_u = self.push_knots(ku)?;
-        let knots_v = self.push_knots(kv)?;
+        let table_u = self.push_spans(ku)?;
+        let table_v = self.push_spans(kv)?;
         let points = self.points.len();
         let count = points + count_u * count_v;
         if count > GREATEST_COUNT {
@@ -202,40 +226,57 @@ impl PackedScene {
             let w = if rational { unit } else { c[3] };
             [c[0] / scale / w, c[1] / scale / w, c[2] / scale / w, c[3] / w].map(|x| x as f32)
         }));
+        let breaks = [ku, kv].map(|knots| {
+            let start = knots.spans().map(|span| knots.knots()[span]);
+            start.chain([knots.domain().1]).collect::<Vec<f64>>()
+        });
         self.faces.push(FaceRecord {
             degree_u: ku.degree() as u32,
             degree_v: kv.degree() as u32,
-            count_u: count_u as u32,
-            count_v: count_v as u32,
-            knots_u: knots_u as u32,
-            knots_v: knots_v as u32,
+            spans_u: breaks[0].len() as u32 - 1,
+            spans_v: breaks[1].len() as u32 - 1,
+            table_u: table_u as u32,
+            table_v: table_v as u32,
             points: points as u32,
-            last_u: last_span(&self.knots[knots_u..], ku.control_count()),
-            last_v: last_span(&self.knots[knots_v..], kv.control_count()),
+            count_v: count_v as u32,
             flags: flags | if rational { RATIONAL } else { 0 },
             trims: 0,
             intervals: 0,
+            padding: 0,
         });
-        self.frames.push(PackedFrame {
-            origin: surface.origin(),
-            scale,
-            domain: surface.domain(),
-            edge_band: DVec2::ZERO,
-        });
+        self.frames.push(PackedFrame { origin: surface.origin(), scale, breaks, edge_band: DVec2::ZERO });
         self.programs.push(program);
         Ok(())
     }
 
-    /// Appends the knots moved to 0 … 1 over the domain; returns where they start.
-    fn push_knots(&mut self, knots: &KnotVector) -> Result<usize, PackError> {
-        let start = self.knots.len();
-        let (low, length) = (knots.domain().0, knots.length());
-        self.knots.extend(knots.knots().iter().map(|k| ((k - low) / length) as f32));
-        // Rounding keeps the order; the domain's ends are exact: 0 / L and L / L.
+    /// Appends the table of the spans of a direction ([`FaceRecord`]); returns where it starts.
+    fn push_spans(&mut self, knots: &KnotVector) -> Result<usize, PackError> {
+        let table = self.knots.len();
+        let (degree, all) = (knots.degree(), knots.knots());
+        let ((low, _), whole) = (knots.domain(), knots.length());
+        self.knots.extend(knots.spans().map(|span| ((all[span] - low) / whole) as f32));
+        self.knots.push(1.0);
+        for span in knots.spans() {
+            let (start, length) = (all[span], all[span + 1] - all[span]);
+            let local: Vec<f64> = all[span + 1 - degree..=span + degree]
+                .iter()
+                .map(|knot| ((knot - start) / length).clamp(-FARTHEST_KNOT, FARTHEST_KNOT))
+                .collect();
+            // The knots that the derivatives are divided by, degree apart.
+            let narrowest = (0..degree).fold(f64::INFINITY, |least, r| least.min(local[degree + r] - local[r]));
+            let gain = power_of_two_below(narrowest);
+            if span - degree >= 1 << f32::MANTISSA_DIGITS {
+                let (count, greatest) = (span - degree, 1 << f32::MANTISSA_DIGITS);
+                return Err(PackError::TooLarge { what: "control points in one direction", count, greatest });
+            }
+            let share = (length / whole).max(f64::from(f32::MIN_POSITIVE));
+            let head: [f64; SPAN_HEAD] = [(span - degree) as f64, share, gain, 1.0 / (share * gain)];
+            self.knots.extend(head.into_iter().chain(local).map(|x| x as f32));
+        }
         if self.knots.len() > GREATEST_COUNT {
             return Err(PackError::TooLarge { what: "knots", count: self.knots.len(), greatest: GREATEST_COUNT });
         }
-        Ok(start)
+        Ok(table)
     }
 
     /// Whether loops bound any face.
@@ -243,12 +284,32 @@ impl PackedScene {
         self.faces.iter().any(|face| face.flags & BOUNDED != 0)
     }
 
-    /// The knots of a face in u and in v.
-    #[inline]
-    pub fn knots(&self, face: &FaceRecord) -> [&[f32]; 2] {
-        let one =
-            |start: u32, count: u32, degree: u32| &self.knots[start as usize..(start + count + degree + 1) as usize];
-        [one(face.knots_u, face.count_u, face.degree_u), one(face.knots_v, face.count_v, face.degree_v)]
+    /// A span of a face in u and one in v.
+    #[inline(always)]
+    pub fn spans(&self, face: &FaceRecord, span: [u32; 2]) -> [Span<'_>; 2] {
+        let one = |table: u32, spans: u32, degree: u32, k: u32| {
+            Span::new(&self.knots, table as usize, spans as usize, degree as usize, k as usize)
+        };
+        [
+            one(face.table_u, face.spans_u, face.degree_u, span[0]),
+            one(face.table_v, face.spans_v, face.degree_v, span[1]),
+        ]
+    }
+
+    /// Where the spans of a face start in u and in v, in parameters of the whole domain, and 1.
+    #[inline(always)]
+    pub fn starts(&self, face: &FaceRecord) -> [&[f32]; 2] {
+        let one = |table: u32, spans: u32| &self.knots[table as usize..][..spans as usize + 1];
+        [one(face.table_u, face.spans_u), one(face.table_v, face.spans_v)]
+    }
+
+    /// The parameters of the whole domain that a place of a face has.
+    pub fn whole(&self, face: u32, at: Parameters) -> [f32; 2] {
+        if at.span[0] == SEARCHED {
+            return at.uv;
+        }
+        let spans = self.spans(&self.faces[face as usize], at.span);
+        [0, 1].map(|k| spans[k].whole(at.uv[k]))
     }
 
     /// How each face is seen by a camera.
@@ -265,6 +326,9 @@ impl PackedScene {
                 let world_from_local =
                     DMat4::from_translation(frame.origin) * DMat4::from_scale(DVec3::splat(frame.scale));
                 let clip_from_local = clip_from_world * world_from_local;
+                // Homogeneous coordinates are any multiple: one that f32 holds, whatever the scale of the scene.
+                let greatest = clip_from_local.to_cols_array().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+                let clip_from_local = clip_from_local * (1.0 / power_of_two_below(greatest));
                 let eye = if perspective {
                     ((camera.eye() - frame.origin) / frame.scale).extend(1.0)
                 } else {
@@ -284,15 +348,19 @@ impl PackedScene {
             .collect()
     }
 
-    /// What a fragment of this scene found, widened to the model's units, for the pixel seen along `ray`.
+    /// What a fragment of this scene found, widened to the model's units, for the pixel seen along `ray`; of a fragment whose
+    /// face has no such spans, parameters that are NaN.
     pub fn hit(&self, fragment: &Fragment, ray: &Ray) -> Hit {
         let frame = &self.frames[fragment.face as usize];
         let position = frame.world(fragment.position);
         let regular = fragment.status == NormalStatus::Regular;
+        // A GPU may write anything.
+        let is_there = (0..2).all(|k| (fragment.span[k] as usize) + 1 < frame.breaks[k].len());
         let [k1, k2] = fragment.curvature.map(|k| f64::from(k) / frame.scale);
         Hit {
             face: FaceId(fragment.face),
-            uv: frame.uv(fragment.uv),
+            uv: if is_there { frame.uv(fragment.span, fragment.uv) } else { DVec2::NAN },
+            local: is_there.then(|| LocalParameters { span: fragment.span, uv: fragment.uv.map(f64::from).into() }),
             t: (position - ray.origin).dot(ray.direction),
             position,
             normal: if regular {
@@ -318,11 +386,6 @@ fn specialised(surface: &Surface) -> (Surface, u32) {
     (raised, target as u32)
 }
 
-/// The last span that is not empty in f32.
-fn last_span(knots: &[f32], count: usize) -> u32 {
-    (0..count).rev().find(|&k| knots[k] < knots[k + 1]).expect("the domain runs from 0 to 1") as u32
-}
-
 /// The least power of two at or above a positive `x`, if it and its reciprocal are normal in f32 and f64 alike.
 fn power_of_two_above(x: f64) -> Option<f64> {
     if x == 0.0 {
@@ -336,9 +399,21 @@ fn power_of_two_above(x: f64) -> Option<f64> {
     Some(if below == x { x } else { below * 2.0 })
 }
 
+/// The greatest power of two at or below a positive `x`; the least normal one for a subnormal.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & !((1 << 52) - 1))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_power_of_two_is_found_at_or_below() {
+        for (x, below) in [(1.0, 1.0), (1.9, 1.0), (0.75, 0.5), (1e6, 524288.0), (f64::MAX, 2f64.powi(1023))] {
+            assert_eq!(power_of_two_below(x), below);
+        }
+    }
 
     #[test]
     fn a_power_of_two_is_found_at_or_above() {

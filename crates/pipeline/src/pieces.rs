@@ -4,7 +4,6 @@
 //! the piece and so, by the convex hull property, the piece. It is grown by [`GROW_PX`] pixels at its farthest depth,
 //! so that no snapping of its corners keeps a pixel from it whose centre sees the surface.
 
-use crate::eval::find_span;
 use crate::layout::PieceRecord;
 use crate::newton::PATIENCE;
 use crate::pack::PackedScene;
@@ -55,7 +54,7 @@ pub(crate) const HULL_TRIANGLES: [[u32; 3]; 12] = [
 /// The pieces of a face of `scene` whose surface has these patches. `model_units_a_pixel` tells what a pixel measures
 /// at the farthest point of a box.
 ///
-/// A patch whose parameters are all one f32 has no piece: no fragment program reaches it.
+/// `patches` are all of the surface's, row-major in u.
 pub(crate) fn pieces_of(
     scene: &PackedScene,
     face: usize,
@@ -63,18 +62,13 @@ pub(crate) fn pieces_of(
     model_units_a_pixel: impl Fn(&Hull) -> f64,
 ) -> Vec<Piece> {
     let frame = &scene.frames[face];
-    let record = &scene.faces[face];
-    let [ku, kv] = scene.knots(record);
-    let spans = |knots: &[f32], degree: u32, count: u32, last: u32, [low, high]: [f32; 2]| {
-        find_span(knots, degree as usize, count as usize, last as usize, 0.5 * (low + high)) as u32
-    };
+    let spans_v = frame.breaks[1].len() - 1;
     let mut pieces = vec![];
-    for patch in patches.iter().flat_map(nearly_flat) {
-        let local = |k: usize, t: f64| ((t - frame.domain[k][0]) / (frame.domain[k][1] - frame.domain[k][0])) as f32;
-        let [[u0, u1], [v0, v1]] = [0, 1].map(|k| patch.domain[k].map(|t| local(k, t)));
-        if u0 >= u1 || v0 >= v1 {
-            continue;
-        }
+    let numbered = patches.iter().enumerate().flat_map(|(index, patch)| {
+        let span = [index / spans_v, index % spans_v].map(|k| k as u32);
+        nearly_flat(patch).into_iter().map(move |part| (span, part))
+    });
+    for (span, Part { patch, rectangle: [[u0, u1], [v0, v1]] }) in numbered {
         let points: Vec<DVec3> =
             patch.control.iter().map(|c| (patch.origin + c.truncate() / c.w - frame.origin) / frame.scale).collect();
         let axes = axes(&patch, &points);
@@ -90,8 +84,8 @@ pub(crate) fn pieces_of(
                 flat: [mid[0], mid[1], gain[0], gain[1]].map(|x| x as f32),
                 rectangle: [u0, v0, u1, v1],
                 face: face as u32,
-                span_u: spans(ku, record.degree_u, record.count_u, record.last_u, [u0, u1]),
-                span_v: spans(kv, record.degree_v, record.count_v, record.last_v, [v0, v1]),
+                span_u: span[0],
+                span_v: span[1],
                 patience: if is_twisted(&patch) { PATIENCE } else { 0 },
             },
             corners: hull.corners(),
@@ -100,25 +94,41 @@ pub(crate) fn pieces_of(
     pieces
 }
 
+/// A part of a Bézier patch and its parameters, 0 … 1 over the whole of it: halves of halves, which f32 holds exactly.
+struct Part {
+    patch: BezierPatch,
+    rectangle: [[f32; 2]; 2],
+}
+
 /// A patch cut until it turns by at most [`TURN`] along either parameter.
-fn nearly_flat(patch: &BezierPatch) -> Vec<BezierPatch> {
+fn nearly_flat(patch: &BezierPatch) -> Vec<Part> {
     let mut flat = vec![];
-    let mut rest = vec![(patch.clone(), [0u32; 2])];
-    while let Some((patch, level)) = rest.pop() {
-        let turn = turns(&patch);
+    // By parameters of its own: far from zero the middle of a knot span is not in f64.
+    let whole = BezierPatch { domain: [[0.0, 1.0]; 2], ..patch.clone() };
+    let mut rest = vec![(Part { patch: whole, rectangle: [[0.0, 1.0]; 2] }, [0u32; 2])];
+    while let Some((part, level)) = rest.pop() {
+        let turn = turns(&part.patch);
         let cut = |k: usize| turn[k] > TURN && level[k] < GREATEST_LEVEL;
-        let middle = |k: usize| 0.5 * (patch.domain[k][0] + patch.domain[k][1]);
+        let middle = |k: usize| 0.5 * (part.patch.domain[k][0] + part.patch.domain[k][1]);
         let (halves, k) = if cut(0) && (turn[0] >= turn[1] || !cut(1)) {
-            (patch.split_u(middle(0)), 0)
+            (part.patch.split_u(middle(0)), 0)
         } else if cut(1) {
-            (patch.split_v(middle(1)), 1)
+            (part.patch.split_v(middle(1)), 1)
         } else {
-            flat.push(patch);
+            flat.push(part);
             continue;
         };
         let mut next = level;
         next[k] += 1;
-        rest.extend(halves.into_iter().rev().map(|half| (half, next)));
+        let [low, high] = part.rectangle[k];
+        let between = 0.5 * (low + high);
+        let ends = [[low, between], [between, high]];
+        let halves = halves.into_iter().zip(ends).map(|(patch, ends)| {
+            let mut rectangle = part.rectangle;
+            rectangle[k] = ends;
+            Part { patch, rectangle }
+        });
+        rest.extend(halves.rev().map(|half| (half, next)));
     }
     flat
 }

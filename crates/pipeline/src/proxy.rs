@@ -2,11 +2,11 @@
 //! hulls of pieces, on which fragments look for the surface themselves.
 
 use crate::Technique;
-use crate::layout::{PieceRecord, Vertex};
+use crate::layout::{Parameters, PieceRecord, SEARCHED, Vertex};
 use crate::pack::{PackedScene, Program};
 use crate::pieces::{HULL_TRIANGLES, pieces_of};
-use glam::DVec2;
-use nurbs::{DerivativeBounds, Direction, Hull, Surface};
+use glam::{DVec2, DVec4};
+use nurbs::{BezierPatch, DerivativeBounds, Hull, Surface};
 use rayon::prelude::*;
 use scene::{Camera, FaceId, Model, Region, Viewport};
 
@@ -20,11 +20,15 @@ const SKIRT_PX: f64 = 1.0 / 16.0;
 /// How many times that a skirt may measure along a parameter that comes to the border at a slant.
 const SLANT: f64 = 4.0;
 
-/// Cells a knot span is cut into at most, in each direction; a camera inside a face would ask for any number.
-const GREATEST_CELLS: usize = 256;
-
-/// Triangles of a proxy at most: 72 bytes each with their vertices, so under 1.3 GB.
+/// Triangles of a proxy at most: about 80 bytes each with their vertices, so under 1.4 GB.
 const GREATEST_TRIANGLES: usize = 1 << 24;
+
+/// Triangles up to which the chord error decides; a camera on a face would ask for any number, and gets a coarser tessellation
+/// beyond ([`Proxy::built_px`]).
+const REFINED_TRIANGLES: usize = 1 << 22;
+
+/// Cells of one span in one direction at most: what [`REFINED_TRIANGLES`] leaves of it however narrow it is.
+const GREATEST_CELLS: usize = REFINED_TRIANGLES / 2;
 
 /// Why a proxy could not be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -61,8 +65,8 @@ pub struct Batch {
     pub count: u32,
 }
 
-/// Triangles over all faces of a scene.
-#[derive(Debug, Clone, PartialEq)]
+/// Triangles over all faces of a scene; none by default.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Proxy {
     /// Corners, shared within a face.
     pub vertices: Vec<Vertex>,
@@ -70,22 +74,30 @@ pub struct Proxy {
     pub indices: Vec<u32>,
     /// One batch a program, in drawing order.
     pub batches: Vec<Batch>,
-    /// For each face, the greatest distance in model units from a point of a flat triangle to S at its (u, v); zeros
-    /// where fragments find S themselves.
-    pub chord: Vec<f64>,
+    /// For each face and each of its Bézier pieces, row-major in u as of [`Surface::bezier_patches`], the greatest distance in
+    /// model units from a point of a flat triangle to S at its parameters; zeros where fragments find S themselves.
+    pub chord: Vec<Vec<f64>>,
+    /// Chord error in pixels to which it was built: more than was asked for where that would take too many triangles.
+    pub built_px: f64,
+    /// How each face is cut into cells; empty for hulls.
+    cells: Vec<Cells>,
     /// Technique `exact`: the pieces in drawing order. Piece i has vertices 8 i to 8 i + 7 and triangles 12 i to 12 i + 11.
     /// Empty for a tessellation.
     pub pieces: Vec<PieceRecord>,
 }
 
-/// Parameters of the grid lines of one direction, local (0 … 1), ascending.
-struct Lines {
-    local: Vec<f32>,
+/// How the parameters of a face are cut.
+#[derive(Debug, Clone, PartialEq)]
+enum Cells {
+    /// Every span by itself, in u and in v.
+    OfSpans([Vec<usize>; 2]),
+    /// The whole domain, in both directions alike.
+    OfDomain(usize),
 }
 
-/// The corners of a face.
+/// The corners of a part of a face: a grid of them.
 struct Grid {
-    lines: [Lines; 2],
+    span: [u32; 2],
     /// Parameters of the corners, u outer; those of a skirt lie beyond the domain.
     corners: Vec<[f32; 2]>,
     /// How many corners a row in v has.
@@ -96,9 +108,9 @@ impl Proxy {
     /// A tessellation whose flat triangles stay within `chord_px` pixels of the surface as `camera` sees it.
     ///
     /// The bound is that of Filip, Magedson & Markot (1986) on each cell of a grid that follows the knots, from
-    /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the face's box
-    /// ([`Camera::pixel_at`]). A face at the near plane, or one that would need over 256 cells a span, is coarser; what holds
-    /// is always [`Self::chord`].
+    /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the patch's box
+    /// ([`Camera::pixel_at`]). A patch that is out of the picture is not cut. Where the bound asks for over four million
+    /// triangles the chord error is doubled until it does not: [`Self::built_px`].
     ///
     /// A face that loops bound has a skirt: its triangles go on beyond the domain's border, along the tangents there, by what
     /// they may fall short of the border; their parameters go on too. What lies beyond the border is cut
@@ -116,61 +128,103 @@ impl Proxy {
         if chord_px <= 0.0 || !chord_px.is_finite() {
             return Err(ProxyError::Chord { chord_px });
         }
-        let grids = (0..model.faces().len())
+        let in_picture = Frustum::new(camera, viewport);
+        let wanted: Vec<Wanted> = (0..model.faces().len())
             .into_par_iter()
             .map(|id| {
-                let face = FaceId(id as u32);
-                let surface = model.surface(face);
-                let pixel = camera.pixel_at(viewport, surface.hull());
-                let lines = chord_lines(surface, chord_px * pixel);
-                match model.region(face) {
-                    None => Grid::plain(lines),
-                    Some(region) => Grid::with_skirts(surface, region, lines, (chord_px + SKIRT_PX) * pixel),
-                }
+                let of_patch = |patch: &BezierPatch| {
+                    let hull = patch.hull();
+                    let pixel = if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY };
+                    (patch.derivative_bounds(), patch.domain.map(|[start, end]| end - start), pixel)
+                };
+                let patches = model.surface(FaceId(id as u32)).bezier_patches().iter().map(of_patch).collect();
+                Wanted { patches, spans: scene.frames[id].breaks.each_ref().map(|breaks| breaks.len() - 1) }
             })
             .collect();
-        Self::over(model, scene, grids).ok_or(ProxyError::TooManyTriangles { chord_px })
+        let mut built_px = chord_px;
+        let cells: Vec<[Vec<usize>; 2]> = loop {
+            let cells: Vec<_> = wanted.par_iter().map(|face| face.cells(built_px)).collect();
+            let triangles = cells.iter().map(|[u, v]| 2.0 * total(u) * total(v)).sum::<f64>();
+            let least = wanted.iter().map(|face| 2.0 * (face.spans[0] * face.spans[1]) as f64).sum::<f64>();
+            if triangles <= (REFINED_TRIANGLES as f64).max(2.0 * least) {
+                break cells;
+            }
+            built_px *= 2.0;
+        };
+        let grids = cells
+            .par_iter()
+            .enumerate()
+            .map(|(id, cells)| {
+                let face = FaceId(id as u32);
+                let skirt = model.region(face).map(|region| {
+                    let pixel = wanted[id]
+                        .patches
+                        .iter()
+                        .fold(0.0, |most: f64, (_, _, pixel)| if pixel.is_finite() { most.max(*pixel) } else { most });
+                    Skirt { surface: model.surface(face), region, width: (built_px + SKIRT_PX) * pixel }
+                });
+                grids_of_spans(&scene.frames[id].breaks, cells, skirt.as_ref())
+            })
+            .collect();
+        let cells = cells.into_iter().map(Cells::OfSpans).collect();
+        Self::over(model, scene, cells, grids, built_px).ok_or(ProxyError::TooManyTriangles { chord_px })
     }
 
     /// A tessellation of every face into `cells` × `cells` cells of equal parameters, wherever its knots lie, as
-    /// Kanai's Table 1 counts them.
+    /// Kanai's Table 1 counts them. Fragments find their knot spans by binary search.
     ///
     /// # Errors
     /// [`ProxyError::TooManyTriangles`].
     pub fn uniform(model: &Model, scene: &PackedScene, cells: usize) -> Result<Self, ProxyError> {
-        let lines = || Lines { local: (0..=cells).map(|i| (i as f64 / cells as f64) as f32).collect() };
-        let grids = model.faces().iter().map(|_| Grid::plain([lines(), lines()])).collect();
-        Self::over(model, scene, grids).ok_or(ProxyError::TooManyTriangles { chord_px: f64::NAN })
+        let too_many = ProxyError::TooManyTriangles { chord_px: f64::NAN };
+        if cells == 0 || cells > GREATEST_CELLS || model.faces().len() * cells * cells > GREATEST_TRIANGLES / 2 {
+            return Err(too_many);
+        }
+        let lines: Vec<f32> = (0..=cells).map(|i| (i as f64 / cells as f64) as f32).collect();
+        let grid = || Grid::new([SEARCHED; 2], &lines, &lines);
+        let grids = model.faces().iter().map(|_| vec![grid()]).collect();
+        Self::over(model, scene, vec![Cells::OfDomain(cells); model.faces().len()], grids, f64::NAN).ok_or(too_many)
     }
 
-    fn over(model: &Model, scene: &PackedScene, grids: Vec<Grid>) -> Option<Self> {
-        let triangles: usize = grids.iter().map(|grid| 2 * (grid.rows() - 1) * (grid.columns - 1)).sum();
+    fn over(
+        model: &Model,
+        scene: &PackedScene,
+        cells: Vec<Cells>,
+        grids: Vec<Vec<Grid>>,
+        built_px: f64,
+    ) -> Option<Self> {
+        let triangles: usize = grids.iter().flatten().map(|grid| 2 * (grid.rows() - 1) * (grid.columns - 1)).sum();
         if triangles > GREATEST_TRIANGLES {
             return None;
         }
         let meshes: Vec<Vec<Vertex>> =
-            grids.par_iter().enumerate().map(|(id, grid)| mesh(model, scene, id, &grid.corners)).collect();
-        let chord = |(id, grid): (usize, &Grid)| {
-            chord_bound(model.surface(FaceId(id as u32)), scene.frames[id].scale, &grid.lines)
+            grids.par_iter().enumerate().map(|(id, grids)| mesh(model, scene, id, grids)).collect();
+        let chord = |(id, cells): (usize, &Cells)| {
+            chord_bounds(model.surface(FaceId(id as u32)), scene.frames[id].scale, cells)
         };
         let mut proxy = Self {
             vertices: vec![],
             indices: Vec::with_capacity(3 * triangles),
             batches: vec![],
-            chord: grids.par_iter().enumerate().map(chord).collect(),
+            chord: cells.par_iter().enumerate().map(chord).collect(),
+            built_px,
+            cells,
             pieces: vec![],
         };
         for id in in_drawing_order(scene) {
-            let base = proxy.vertices.len() as u32;
+            let mut base = proxy.vertices.len() as u32;
             let first = proxy.indices.len() as u32;
             proxy.vertices.extend_from_slice(&meshes[id]);
-            let [columns, rows] = [grids[id].columns, grids[id].rows()].map(|count| count as u32);
-            for i in 0..rows - 1 {
-                for j in 0..columns - 1 {
-                    let a = base + i * columns + j;
-                    let (b, c, d) = (a + columns, a + columns + 1, a + 1);
-                    proxy.indices.extend([a, b, c, a, c, d]);
+            for grid in &grids[id] {
+                let [columns, rows] = [grid.columns, grid.rows()].map(|count| count as u32);
+                for i in 0..rows - 1 {
+                    for j in 0..columns - 1 {
+                        let a = base + i * columns + j;
+                        let (b, c, d) = (a + columns, a + columns + 1, a + 1);
+                        proxy.indices.extend([a, b, c, a, c, d]);
+                    }
                 }
+                base += rows * columns;
             }
             proxy.batch(scene.programs[id], first);
         }
@@ -197,18 +251,10 @@ impl Proxy {
         let id = face.0 as usize;
         let of_face = |vertex: &Vertex| vertex.face == face.0;
         let Some(first) = self.vertices.iter().position(of_face).filter(|_| self.pieces.is_empty()) else { return };
-        let corners = &self.vertices[first..];
-        let count = corners.iter().take_while(|vertex| of_face(vertex)).count();
-        let corners: Vec<[f32; 2]> = corners[..count].iter().map(|vertex| vertex.uv).collect();
-        let lines = [0, 1].map(|k| {
-            let mut local: Vec<f32> = corners.iter().map(|uv| uv[k].clamp(0.0, 1.0)).collect();
-            local.sort_by(f32::total_cmp);
-            local.dedup();
-            Lines { local }
-        });
-        let moved = mesh(model, scene, id, &corners);
-        self.vertices[first..first + count].copy_from_slice(&moved);
-        self.chord[id] = chord_bound(model.surface(face), scene.frames[id].scale, &lines);
+        for vertex in self.vertices[first..].iter_mut().take_while(|vertex| of_face(vertex)) {
+            *vertex = corner(model, scene, id, Parameters { span: vertex.span, uv: vertex.uv });
+        }
+        self.chord[id] = chord_bounds(model.surface(face), scene.frames[id].scale, &self.cells[id]);
     }
 
     /// The hulls of all pieces of all faces, for technique `exact`: no pixel whose centre sees a piece, as `camera` has
@@ -229,8 +275,7 @@ impl Proxy {
                 let patches = model.surfaces()[face.surface].bezier_patches();
                 let mut pieces = pieces_of(scene, id, &patches, model_units_a_pixel);
                 if let Some(region) = model.region(FaceId(id as u32)) {
-                    pieces
-                        .retain(|piece| may_have_material(region, scene.frames[id].edge_band, piece.record.rectangle));
+                    pieces.retain(|piece| may_have_material(region, scene, id, &piece.record));
                 }
                 pieces
             })
@@ -243,14 +288,17 @@ impl Proxy {
             vertices: Vec::with_capacity(8 * count),
             indices: Vec::with_capacity(3 * HULL_TRIANGLES.len() * count),
             batches: vec![],
-            chord: vec![0.0; of_faces.len()],
+            chord: scene.frames.iter().map(|frame| vec![0.0; frame.pieces()]).collect(),
+            built_px: 0.0,
+            cells: vec![],
             pieces: Vec::with_capacity(count),
         };
         for id in in_drawing_order(scene) {
             let first = proxy.indices.len() as u32;
             for piece in &of_faces[id] {
                 let base = proxy.vertices.len() as u32;
-                let vertex = |position| Vertex { position, uv: [0.0; 2], face: id as u32, normal: [0.0; 3] };
+                let vertex =
+                    |position| Vertex { position, uv: [0.0; 2], face: id as u32, span: [0; 2], normal: [0.0; 3] };
                 proxy.vertices.extend(piece.corners.map(vertex));
                 proxy.indices.extend(HULL_TRIANGLES.as_flattened().iter().map(|corner| base + corner));
                 proxy.pieces.push(piece.record);
@@ -271,12 +319,14 @@ impl Proxy {
     }
 }
 
-/// Whether a rectangle of local parameters meets the box of a region, grown by what f32 may mistake.
-fn may_have_material(region: &Region, band: DVec2, [u0, v0, u1, v1]: [f32; 4]) -> bool {
-    let (domain, hull) = (region.domain(), region.hull());
-    let [low, high] = [hull.min - domain.min, hull.max - domain.min].map(|corner| corner / domain.size());
-    let [from, to] = [[u0, v0], [u1, v1]].map(|uv| DVec2::from_array(uv.map(f64::from)));
-    from.cmple(high + band).all() && to.cmpge(low - band).all()
+/// Whether a piece of a face meets the box of its region, grown by what f32 may mistake.
+fn may_have_material(region: &Region, scene: &PackedScene, face: usize, piece: &PieceRecord) -> bool {
+    let frame = &scene.frames[face];
+    let band = frame.edge_band * region.domain().size();
+    let hull = region.hull();
+    let [u0, v0, u1, v1] = piece.rectangle;
+    let at = |uv: [f32; 2]| frame.uv([piece.span_u, piece.span_v], uv);
+    at([u0, v0]).cmple(hull.max + band).all() && at([u1, v1]).cmpge(hull.min - band).all()
 }
 
 /// Faces grouped by their programs.
@@ -286,71 +336,126 @@ fn in_drawing_order(scene: &PackedScene) -> Vec<usize> {
     order
 }
 
-/// Grid lines at all knots and between them, so that every cell's chord bound is at most `allowed` model units.
-fn chord_lines(surface: &Surface, allowed: f64) -> [Lines; 2] {
-    let [ku, kv] = [Direction::U, Direction::V].map(|d| surface.knots(d));
-    let (spans_u, spans_v) = (ku.spans().count(), kv.spans().count());
-    let mut cells = [vec![1usize; spans_u], vec![1usize; spans_v]];
-    for (index, patch) in surface.bezier_patches().iter().enumerate() {
-        let (k, l) = (index / spans_v, index % spans_v);
-        let bounds = patch.derivative_bounds();
-        let [width, height] = patch.domain.map(|[start, end]| end - start);
-        let [nu, nv] = cells_needed(&bounds, width, height, allowed, [cells[0][k], cells[1][l]]);
-        cells[0][k] = nu;
-        cells[1][l] = nv;
-    }
-    let lines = |knots: &nurbs::KnotVector, cells: &[usize]| {
-        let (start, length) = (knots.domain().0, knots.length());
-        let mut local = vec![0.0f32];
-        for (span, &n) in knots.spans().zip(cells) {
-            let (a, b) = (knots.knots()[span], knots.knots()[span + 1]);
-            local.extend((1..=n).map(|i| ((a - start + (b - a) * (i as f64 / n as f64)) / length) as f32));
-        }
-        *local.last_mut().expect("not empty") = 1.0;
-        // Lines that a tiny span puts on the same f32 are one line.
-        local.dedup();
-        Lines { local }
-    };
-    [lines(ku, &cells[0]), lines(kv, &cells[1])]
+/// What a face asks of its tessellation.
+struct Wanted {
+    /// Of each Bézier patch, row-major in u: bounds of its derivatives, its width and height, and what a pixel measures where it is
+    /// nearest, infinite out of the picture.
+    patches: Vec<(DerivativeBounds, [f64; 2], f64)>,
+    spans: [usize; 2],
 }
 
-/// The fewest cells, from `least` on, that bring the chord bound under `allowed`: always the direction that gains more.
-fn cells_needed(bounds: &DerivativeBounds, width: f64, height: f64, allowed: f64, least: [usize; 2]) -> [usize; 2] {
+impl Wanted {
+    /// The fewest cells of each span in u and in v so that the chord bound of every cell is at most `chord_px`.
+    fn cells(&self, chord_px: f64) -> [Vec<usize>; 2] {
+        let mut cells = self.spans.map(|spans| vec![1usize; spans]);
+        for (index, (bounds, size, pixel)) in self.patches.iter().enumerate() {
+            let (k, l) = (index / self.spans[1], index % self.spans[1]);
+            [cells[0][k], cells[1][l]] = cells_needed(bounds, *size, chord_px * pixel, [cells[0][k], cells[1][l]]);
+        }
+        cells
+    }
+}
+
+fn total(cells: &[usize]) -> f64 {
+    cells.iter().sum::<usize>() as f64
+}
+
+/// The fewest cells, from `least` on, that bring the chord bound under `allowed`: always the direction that gains more. From
+/// eight cells on they grow by an eighth, so that the number of steps is bounded by the number of bits of the count.
+fn cells_needed(bounds: &DerivativeBounds, [width, height]: [f64; 2], allowed: f64, least: [usize; 2]) -> [usize; 2] {
     let chord = |n: [usize; 2]| bounds.chord(width / n[0] as f64, height / n[1] as f64);
+    let more = |n: usize| (n + (n / 8).max(1)).min(GREATEST_CELLS);
     let mut n = least;
-    while chord(n) > allowed && n[0].min(n[1]) < GREATEST_CELLS {
-        let grown = [[(n[0] + 1).min(GREATEST_CELLS), n[1]], [n[0], (n[1] + 1).min(GREATEST_CELLS)]];
-        // A step in u adds n[1] cells, a step in v n[0]: compare what each cell buys.
-        let gain = [(chord(n) - chord(grown[0])) / n[1] as f64, (chord(n) - chord(grown[1])) / n[0] as f64];
-        n = if gain[0] >= gain[1] { grown[0] } else { grown[1] };
+    while chord(n) > allowed && n[0] * n[1] < REFINED_TRIANGLES {
+        let grown = [[more(n[0]), n[1]], [n[0], more(n[1])]];
+        // A cell more in u adds n[1] cells, one in v n[0]: compare what each buys.
+        let gain = [0, 1].map(|k| (chord(n) - chord(grown[k])) / ((grown[k][k] - n[k]).max(1) * n[1 - k]) as f64);
+        let next = if gain[0] >= gain[1] { grown[0] } else { grown[1] };
+        if next == n {
+            break;
+        }
+        n = next;
     }
     n
 }
 
-impl Grid {
-    fn plain(lines: [Lines; 2]) -> Self {
-        let [u, v] = &lines;
-        let corners = u.local.iter().flat_map(|&s| v.local.iter().map(move |&t| [s, t])).collect();
-        Self { columns: v.local.len(), corners, lines }
+/// The half-spaces that hold what a picture shows.
+struct Frustum {
+    /// A plane (n, d) has what is outside at n · p + d < 0.
+    planes: [DVec4; 5],
+}
+
+/// How far beyond the picture's border what a patch shows may matter to a pixel in it, as a share of the picture.
+const MARGIN: f64 = 1.0 / 16.0;
+
+impl Frustum {
+    fn new(camera: &Camera, viewport: Viewport) -> Self {
+        let rows = camera.clip_from_world(viewport, 1.0).transpose();
+        let [x, y, w] = [rows.x_axis, rows.y_axis, rows.w_axis];
+        let wide = w * (1.0 + MARGIN);
+        let near = camera.forward().extend(-camera.forward().dot(camera.eye()) - camera.near());
+        Self { planes: [wide - x, wide + x, wide - y, wide + y, near] }
     }
 
-    /// A grid that goes on beyond the sides of the domain into whose cells the region comes, by at least `width` model units
+    /// Whether a box is not wholly outside one of the planes.
+    fn meets(&self, hull: &Hull) -> bool {
+        let corners = hull.corners();
+        self.planes.iter().all(|plane| corners.iter().any(|corner| plane.dot(corner.extend(1.0)) >= 0.0))
+    }
+}
+
+/// What a bounded face goes on by.
+struct Skirt<'a> {
+    surface: &'a Surface,
+    region: &'a Region,
+    /// Model units along the tangents.
+    width: f64,
+}
+
+/// The grids of a face's spans, with a skirt where loops bound it.
+fn grids_of_spans(breaks: &[Vec<f64>; 2], cells: &[Vec<usize>; 2], skirt: Option<&Skirt>) -> Vec<Grid> {
+    let lines = |n: usize| -> Vec<f32> { (0..=n).map(|i| (i as f64 / n as f64) as f32).collect() };
+    let rows = cells[0].iter().map(|&n| lines(n)).collect::<Vec<_>>();
+    let columns = cells[1].iter().map(|&n| lines(n)).collect::<Vec<_>>();
+    let mut grids = Vec::with_capacity(rows.len() * columns.len());
+    for (k, u) in rows.iter().enumerate() {
+        for (l, v) in columns.iter().enumerate() {
+            let span = [k as u32, l as u32];
+            grids.push(match skirt {
+                None => Grid::new(span, u, v),
+                Some(skirt) => Grid::with_skirt(span, [u, v], breaks, skirt),
+            });
+        }
+    }
+    grids
+}
+
+impl Grid {
+    fn new(span: [u32; 2], u: &[f32], v: &[f32]) -> Self {
+        let corners = u.iter().flat_map(|&s| v.iter().map(move |&t| [s, t])).collect();
+        Self { span, corners, columns: v.len() }
+    }
+
+    /// A grid that goes on beyond the sides of the domain into whose cells the region comes, by at least the skirt's width
     /// along the tangents, but where the side is collapsed.
-    fn with_skirts(surface: &Surface, region: &Region, lines: [Lines; 2], width: f64) -> Self {
-        let [u, v] = &lines;
-        let (domain, hull) = (region.domain(), region.hull());
-        // With the ends twice, once for the skirt: a share of the domain and whether, and to which side, to go beyond it.
-        let places = |lines: &Lines, axis: usize| -> Vec<(f32, f64)> {
-            let at = |line: usize| domain.min[axis] + domain.size()[axis] * f64::from(lines.local[line]);
-            let before = (hull.min[axis] <= at(1)).then_some((0.0, -1.0));
-            let after = (hull.max[axis] >= at(lines.local.len() - 2)).then_some((1.0, 1.0));
-            let inside = lines.local.iter().map(|&t| (t, 0.0));
+    fn with_skirt(span: [u32; 2], lines: [&[f32]; 2], breaks: &[Vec<f64>; 2], skirt: &Skirt) -> Self {
+        let &Skirt { surface, region, width } = skirt;
+        let hull = region.hull();
+        let ends = [0, 1].map(|k| [breaks[k][span[k] as usize], breaks[k][span[k] as usize + 1]]);
+        let at = |k: usize, t: f32| ends[k][0] + (ends[k][1] - ends[k][0]) * f64::from(t);
+        // With the ends twice, once for the skirt: the parameter and whether, and to which side, to go beyond it.
+        let places = |k: usize| -> Vec<(f32, f64)> {
+            let lines = lines[k];
+            let is_first = span[k] == 0;
+            let is_last = span[k] as usize + 2 == breaks[k].len();
+            let before = (is_first && hull.min[k] <= at(k, lines[1])).then_some((0.0, -1.0));
+            let after = (is_last && hull.max[k] >= at(k, lines[lines.len() - 2])).then_some((1.0, 1.0));
+            let inside = lines.iter().map(|&t| (t, 0.0));
             before.into_iter().chain(inside).chain(after).collect()
         };
-        let (rows, columns) = (places(u, 0), places(v, 1));
-        let [[u0, u1], [v0, v1]] = surface.domain();
+        let (rows, columns) = (places(0), places(1));
         let corner = |(s, beyond_u): (f32, f64), (t, beyond_v): (f32, f64)| {
-            let d = surface.first_derivatives(u0 + (u1 - u0) * f64::from(s), v0 + (v1 - v0) * f64::from(t));
+            let d = surface.first_derivatives(at(0, s), at(1, t));
             let area = d.su.cross(d.sv).length();
             // Straight away from the border, whose tangent is `along`, it is a part of the way.
             let gain = |speed: f64, along: f64, side: f64| {
@@ -358,11 +463,12 @@ impl Grid {
                 if side != 0.0 && gain.is_finite() { side * gain } else { 0.0 }
             };
             let (speed_u, speed_v) = (d.su.length(), d.sv.length());
-            let beyond = [gain(speed_u, speed_v, beyond_u) / (u1 - u0), gain(speed_v, speed_u, beyond_v) / (v1 - v0)];
+            let length = ends.map(|[start, end]| end - start);
+            let beyond = [gain(speed_u, speed_v, beyond_u) / length[0], gain(speed_v, speed_u, beyond_v) / length[1]];
             [s + beyond[0] as f32, t + beyond[1] as f32]
         };
         let corners = rows.iter().flat_map(|&row| columns.iter().map(move |&column| corner(row, column))).collect();
-        Self { columns: columns.len(), corners, lines }
+        Self { span, columns: columns.len(), corners }
     }
 
     fn rows(&self) -> usize {
@@ -370,56 +476,67 @@ impl Grid {
     }
 }
 
-/// The vertices of one face at local parameters.
-fn mesh(model: &Model, scene: &PackedScene, id: usize, corners: &[[f32; 2]]) -> Vec<Vertex> {
-    let surface = model.surface(FaceId(id as u32));
-    let reversed = model.faces()[id].reversed;
-    let frame = &scene.frames[id];
-    let vertex = |&corner: &[f32; 2]| {
-        let border = corner.map(|t| t.clamp(0.0, 1.0));
-        let uv = frame.uv(border);
-        let d = surface.first_derivatives(uv.x, uv.y);
-        let cross = d.su.cross(d.sv);
-        let normal = match cross.try_normalize() {
-            Some(n) if cross.length() > 1e-9 * d.su.length() * d.sv.length() => n,
-            _ => surface.inspect(uv.x, uv.y).normal.unit().unwrap_or_default(),
-        };
-        let normal = if reversed { -normal } else { normal };
-        let [width, height] = frame.domain.map(|[start, end]| end - start);
-        let beyond = [corner[0] - border[0], corner[1] - border[1]].map(f64::from);
-        let position = d.s + d.su * (beyond[0] * width) + d.sv * (beyond[1] * height);
-        Vertex {
-            position: frame.local(position),
-            uv: corner,
-            face: id as u32,
-            normal: normal.to_array().map(|x| x as f32),
-        }
+/// The vertices of one face.
+fn mesh(model: &Model, scene: &PackedScene, id: usize, grids: &[Grid]) -> Vec<Vertex> {
+    let of_grid = |grid: &Grid| {
+        let span = grid.span;
+        grid.corners.iter().map(|&uv| corner(model, scene, id, Parameters { span, uv })).collect::<Vec<_>>()
     };
-    corners.iter().map(vertex).collect()
+    grids.iter().flat_map(of_grid).collect()
 }
 
-/// The greatest chord of any cell, from the bounds of the patches that it touches, plus what narrowing moves.
-fn chord_bound(surface: &Surface, scale: f64, [u, v]: &[Lines; 2]) -> f64 {
-    let domain = surface.domain();
-    let widest = |lines: &Lines, [start, end]: [f64; 2], [low, high]: [f64; 2]| {
-        // Cells that overlap [low, high]; a line narrowed to f32 may stand half an ulp off its knot.
-        let local = |t: f64| (t - start) / (end - start);
-        let (low, high) = (local(low) + f64::from(f32::EPSILON), local(high) - f64::from(f32::EPSILON));
-        let overlapping = lines.local.windows(2).map(|w| [f64::from(w[0]), f64::from(w[1])]);
-        overlapping.filter(|[a, b]| *a < high && *b > low).fold(0.0, |most: f64, [a, b]| most.max(b - a))
-            * (end - start)
+/// A vertex of a face.
+fn corner(model: &Model, scene: &PackedScene, id: usize, at: Parameters) -> Vertex {
+    let surface = model.surface(FaceId(id as u32));
+    let frame = &scene.frames[id];
+    let border = at.uv.map(|t| t.clamp(0.0, 1.0));
+    let (uv, length) = if at.span[0] == SEARCHED {
+        let [[u0, u1], [v0, v1]] = surface.domain();
+        let size = DVec2::new(u1 - u0, v1 - v0);
+        (DVec2::new(u0, v0) + size * DVec2::from_array(border.map(f64::from)), size)
+    } else {
+        let [width, height] = [0, 1].map(|k| frame.span(k, at.span[k])).map(|[start, end]| end - start);
+        (frame.uv(at.span, border), DVec2::new(width, height))
     };
-    let mut chord = 0.0f64;
-    let mut speed = 0.0f64;
-    for patch in surface.bezier_patches() {
-        let bounds = patch.derivative_bounds();
-        let du = widest(u, domain[0], patch.domain[0]);
-        let dv = widest(v, domain[1], patch.domain[1]);
-        chord = chord.max(bounds.chord(du, dv));
-        let length = |[start, end]: [f64; 2]| end - start;
-        speed = speed.max(bounds.u * length(domain[0])).max(bounds.v * length(domain[1]));
+    let d = surface.first_derivatives(uv.x, uv.y);
+    let cross = d.su.cross(d.sv);
+    let normal = match cross.try_normalize() {
+        Some(n) if cross.length() > 1e-9 * d.su.length() * d.sv.length() => n,
+        _ => surface.inspect(uv.x, uv.y).normal.unit().unwrap_or_default(),
+    };
+    let normal = if model.faces()[id].reversed { -normal } else { normal };
+    let beyond = [at.uv[0] - border[0], at.uv[1] - border[1]].map(f64::from);
+    let position = d.s + d.su * (beyond[0] * length.x) + d.sv * (beyond[1] * length.y);
+    Vertex {
+        position: frame.local(position),
+        uv: at.uv,
+        face: id as u32,
+        span: at.span,
+        normal: normal.to_array().map(|x| x as f32),
     }
-    // Vertices narrow to f32 (half an ulp of the local unit in each coordinate), and a grid line may stand half an
-    // ulp beside its knot.
-    chord + f64::from(f32::EPSILON) * (scale + speed)
+}
+
+/// The chord of each Bézier piece of a face, from the bounds of its derivatives and the cells that it is cut into, plus what
+/// narrowing moves.
+fn chord_bounds(surface: &Surface, scale: f64, cells: &Cells) -> Vec<f64> {
+    let domain = surface.domain();
+    let patches = surface.bezier_patches();
+    let spans_v = patches.iter().take_while(|patch| patch.domain[0] == patches[0].domain[0]).count();
+    let of_patch = |(index, patch): (usize, &BezierPatch)| {
+        let bounds = patch.derivative_bounds();
+        let length = |[start, end]: [f64; 2]| end - start;
+        let [width, height] = patch.domain.map(length);
+        let (cell, interpolated) = match cells {
+            Cells::OfSpans([u, v]) => {
+                let [n, m] = [u[index / spans_v], v[index % spans_v]];
+                ([width / n as f64, height / m as f64], [width, height])
+            }
+            Cells::OfDomain(n) => (domain.map(|ends| length(ends) / *n as f64), domain.map(length)),
+        };
+        // Vertices narrow to f32 (half an ulp of the local unit in each coordinate), and a grid line may stand half an
+        // ulp beside its parameter.
+        let speed = (bounds.u * interpolated[0]).max(bounds.v * interpolated[1]);
+        bounds.chord(cell[0], cell[1]) + f64::from(f32::EPSILON) * (scale + speed)
+    };
+    patches.iter().enumerate().map(of_patch).collect()
 }

@@ -43,7 +43,7 @@ pub struct Sight {
 /// A pixel's centre in the parameters of a face, on the tangent plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Footprint {
-    /// Where the pixel's ray meets the plane, local parameters; they may lie beyond the domain.
+    /// Where the pixel's ray meets the plane, parameters of the whole domain; they may lie beyond it.
     pub center: [f32; 2],
     /// What u and v gain along a pixel to the right; zeros where the plane is seen edge-on.
     pub right: [f32; 2],
@@ -97,7 +97,7 @@ impl Sight {
     /// The footprint on a tangent plane.
     ///
     /// Where the ray meets the plane farther from S than [`REACH_PX`], or runs nearly along it, the centre is S's own uv.
-    pub fn footprint(&self, &TangentPlane { uv, s, su, sv }: &TangentPlane) -> Footprint {
+    pub fn footprint(&self, &TangentPlane { uv, s, su, sv, .. }: &TangentPlane) -> Footprint {
         let w = plane(&self.w, s);
         let [x, y] = [&self.x, &self.y].map(|p| plane(p, s) / w);
         let [a, b] = [su, sv].map(|derivative| self.along([x, y, 0.0], derivative).map(|slope| slope / w));
@@ -112,11 +112,10 @@ impl Sight {
         Footprint { center, right, up, near_px, step_squared: if found { far } else { f32::MAX } }
     }
 
-    /// Whether a fragment of `face`, interpolated at `uv`, where the face has a tangent plane, covers the pixel.
-    pub fn shows(&self, scene: &PackedScene, face: u32, uv: [f32; 2], plane: &TangentPlane) -> bool {
+    /// Whether a fragment of `face`, where the face has a tangent plane, covers the pixel.
+    pub fn shows(&self, scene: &PackedScene, face: u32, plane: &TangentPlane) -> bool {
         let at = self.footprint(plane);
-        let on_skirt = uv != plane.uv;
-        !(on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX)
+        !(plane.on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX)
             && is_shown(scene, &scene.faces[face as usize], &at)
     }
 }

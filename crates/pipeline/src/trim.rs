@@ -218,12 +218,13 @@ mod tests {
                 let Some(region) = model.region(FaceId(index as u32)) else { continue };
                 let frame = &scene.frames[index];
                 let size = region.domain().size();
+                let uv = |t: [f32; 2]| region.domain().min + size * DVec2::from_array(t.map(f64::from));
                 assert!(frame.edge_band.max_element() < 1e-5, "{name}: {}", frame.edge_band);
                 let (mut tried, mut inside) = (0, 0);
                 for i in 0..4000 {
                     let t =
                         [0.754_877_666_246_69, 0.569_840_290_998_05].map(|g: f64| (g * f64::from(i)).fract() as f32);
-                    let (expected, near) = by_pieces(region, frame.uv(t), frame.edge_band * size);
+                    let (expected, near) = by_pieces(region, uv(t), frame.edge_band * size);
                     if near {
                         continue;
                     }
@@ -232,7 +233,7 @@ mod tests {
                     let [a, b] = [f64::from(i).sin(), f64::from(i).cos()].map(|x| x as f32 * 1e-3);
                     let metric = [a * a + 0.01 * b * b, 0.99 * a * b, b * b + 0.01 * a * a];
                     let reach = Reach { metric, extent: [metric[0].sqrt(), metric[2].sqrt()] };
-                    let (_, near) = by_pieces(region, frame.uv(t), DVec2::splat(1.1e-3) * size);
+                    let (_, near) = by_pieces(region, uv(t), DVec2::splat(1.1e-3) * size);
                     if !near {
                         let found = is_near_material(&scene, face, t, &reach);
                         assert_eq!(found, expected, "{name}, face {index}, near {t:?}");

@@ -6,7 +6,7 @@ use gbuffer::{GBuffer, Meta};
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, Surface};
 use pipeline::fragment::fragment_row;
-use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme};
+use pipeline::{DEFAULT_CHORD_PX, PackedScene, Parameters, Proxy, Scheme};
 use raster::{Drawing, Options, Rasterizer};
 use scene::{Camera, Model, Projection, Viewport};
 use std::hint::black_box;
@@ -47,16 +47,17 @@ fn main() {
     let scene = PackedScene::new(&model, Scheme::Specialised).expect("packs");
     for curvature in [false, true] {
         // One span, as most pixels have it.
-        let uv: Vec<[f32; 2]> = (0..4096).map(|i| [0.5 + i as f32 * 1e-5, 0.4 + (i % 64) as f32 * 1e-3]).collect();
-        let mut out = Vec::with_capacity(uv.len());
+        let uv = |i: usize| [0.25 + i as f32 * 1e-4, 0.4 + (i % 64) as f32 * 1e-3];
+        let places: Vec<_> = (0..4096).map(|i| Parameters { span: [5, 1], uv: uv(i) }).collect();
+        let mut out = Vec::with_capacity(places.len());
         let seconds = median(&mut || {
             let start = Instant::now();
             for _ in 0..50 {
                 out.clear();
-                fragment_row(&scene, 0, black_box(&uv), curvature, &mut out);
+                fragment_row(&scene, 0, black_box(&places), curvature, &mut out);
                 black_box(&out);
             }
-            start.elapsed().as_secs_f64() / (50 * uv.len()) as f64
+            start.elapsed().as_secs_f64() / (50 * places.len()) as f64
         });
         println!("fragment program, bicubic rational, curvature {curvature}: {:.1} ns a fragment", seconds * 1e9);
     }

@@ -4,7 +4,7 @@
 use crate::Rasterizer;
 use crate::depth::DepthTile;
 use pipeline::fragment::{TangentPlane, tangent_plane, tangent_planes};
-use pipeline::{BOUNDED, Sight};
+use pipeline::{BOUNDED, Parameters, Sight};
 
 /// How many may wait: enough to fill the program's lanes, and few enough that what they hide is soon known to be hidden.
 const MOST: usize = 64;
@@ -14,7 +14,7 @@ const MOST: usize = 64;
 pub struct Waiting {
     face: u32,
     samples: Vec<Sample>,
-    uv: Vec<[f32; 2]>,
+    places: Vec<Parameters>,
     planes: Vec<TangentPlane>,
 }
 
@@ -32,7 +32,7 @@ impl Waiting {
         raster: &Rasterizer,
         tile: &mut DepthTile,
         face: u32,
-        uv: [f32; 2],
+        place: Parameters,
         (at, depth, owner): ([i32; 2], f32, u32),
     ) {
         if face != self.face || self.samples.len() == MOST {
@@ -40,35 +40,34 @@ impl Waiting {
             self.face = face;
         }
         self.samples.push(Sample { at, depth, owner });
-        self.uv.push(uv);
+        self.places.push(place);
     }
 
     /// Decides about all that wait.
     pub fn decide(&mut self, raster: &Rasterizer, tile: &mut DepthTile) {
         let drawing = &raster.drawing;
         if !self.samples.is_empty() {
-            tangent_planes(drawing.scene, self.face, &self.uv, &mut self.planes);
+            tangent_planes(drawing.scene, self.face, &self.places, &mut self.planes);
         }
-        for ((&Sample { at: [x, y], depth, owner }, &uv), plane) in self.samples.iter().zip(&self.uv).zip(&self.planes)
-        {
-            if tile.passes(x, y, depth) && covers(raster, self.face, uv, plane, [x as f32 + 0.5, y as f32 + 0.5]) {
+        for (&Sample { at: [x, y], depth, owner }, plane) in self.samples.iter().zip(&self.planes) {
+            if tile.passes(x, y, depth) && covers(raster, self.face, plane, [x as f32 + 0.5, y as f32 + 0.5]) {
                 tile.test(x, y, depth, owner);
             }
         }
         self.samples.clear();
-        self.uv.clear();
+        self.places.clear();
         self.planes.clear();
     }
 }
 
 /// Whether a fragment of a face, interpolated at picture position `at`, covers it: it is not cut away.
-pub fn is_drawn(raster: &Rasterizer, face: u32, uv: [f32; 2], at: [f32; 2]) -> bool {
-    !is_bounded(raster, face) || covers(raster, face, uv, &tangent_plane(raster.drawing.scene, face, uv), at)
+pub fn is_drawn(raster: &Rasterizer, face: u32, place: Parameters, at: [f32; 2]) -> bool {
+    !is_bounded(raster, face) || covers(raster, face, &tangent_plane(raster.drawing.scene, face, place), at)
 }
 
-fn covers(raster: &Rasterizer, face: u32, uv: [f32; 2], plane: &TangentPlane, at: [f32; 2]) -> bool {
+fn covers(raster: &Rasterizer, face: u32, plane: &TangentPlane, at: [f32; 2]) -> bool {
     let drawing = &raster.drawing;
-    Sight::new(&drawing.views[face as usize], at).shows(drawing.scene, face, uv, plane)
+    Sight::new(&drawing.views[face as usize], at).shows(drawing.scene, face, plane)
 }
 
 /// Whether some fragments of a face may be cut away.

@@ -26,7 +26,9 @@ pub struct Geometry {
 pub struct Attributes {
     /// The face.
     pub face: u32,
-    /// Local parameters at the corners.
+    /// The spans that its parameters are of.
+    pub span: [u32; 2],
+    /// Parameters at the corners.
     pub uv: [[f32; 2]; 3],
     /// Normals at the corners.
     pub normal: [[f32; 3]; 3],
@@ -62,11 +64,11 @@ impl Geometry {
             .flat_map_iter(|(source, t)| {
                 let vertices = [t[0], t[1], t[2]].map(|i| &drawing.proxy.vertices[i as usize]);
                 let polygon = clip::clip(vertices.map(|v| ClipVertex { clip: clip_of(v), uv: v.uv, normal: v.normal }));
-                let face = vertices[0].face;
+                let Vertex { face, span, .. } = *vertices[0];
                 let fan = (1..polygon.len().saturating_sub(1)).map(move |i| [polygon[0], polygon[i], polygon[i + 1]]);
                 fan.filter_map(move |t| {
                     let [Some(a), Some(b), Some(c)] = t.map(|v| screen.corner(v.clip)) else { return None };
-                    let attributes = Attributes { face, uv: t.map(|v| v.uv), normal: t.map(|v| v.normal) };
+                    let attributes = Attributes { face, span, uv: t.map(|v| v.uv), normal: t.map(|v| v.normal) };
                     Some(Piece { source: source as u32, corners: [a, b, c], attributes })
                 })
             })
@@ -119,7 +121,7 @@ impl Geometry {
             Some(piece) => self.pieces[piece].attributes,
             None => {
                 let v = vertices(drawing, id as usize).map(|v| &drawing.proxy.vertices[v]);
-                Attributes { face: v[0].face, uv: v.map(|v| v.uv), normal: v.map(|v| v.normal) }
+                Attributes { face: v[0].face, span: v[0].span, uv: v.map(|v| v.uv), normal: v.map(|v| v.normal) }
             }
         }
     }

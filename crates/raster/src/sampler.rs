@@ -7,9 +7,9 @@ use crate::rect::Rect;
 use crate::setup::Triangle;
 use crate::{Rasterizer, cut, tile};
 use gbuffer::Hit;
-use pipeline::Technique;
 use pipeline::fragment::fragment;
 use pipeline::newton::Outcome;
+use pipeline::{Parameters, PieceRecord, Technique};
 
 /// Side of a square of triangles that are looked through for one sample, pixels.
 const SIDE: usize = 8;
@@ -81,9 +81,9 @@ impl<'a> PointSampler<'a> {
             let depth = triangle.depth(weights);
             let attributes = geometry.attributes(drawing, id);
             let normal = drawing.options.interpolated_normals.then(|| triangle.interpolate(weights, attributes.normal));
-            let uv = triangle.interpolate(weights, attributes.uv);
-            let is_drawn = depth > 0.0 && cut::is_drawn(self.raster, attributes.face, uv, [x as f32, y as f32]);
-            is_drawn.then_some(Sample { face: attributes.face, uv, normal, depth })
+            let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
+            let is_drawn = depth > 0.0 && cut::is_drawn(self.raster, attributes.face, place, [x as f32, y as f32]);
+            is_drawn.then_some(Sample { face: attributes.face, place, normal, depth })
         };
         let solved = |&id: &u32| {
             let (piece, triangle) = exact::far_side(self.raster, id, shift)?;
@@ -92,7 +92,8 @@ impl<'a> PointSampler<'a> {
             }
             match exact::look(self.raster, piece, [x as f32, y as f32]) {
                 Outcome::Hit { uv, depth } if depth > 0.0 => {
-                    Some(Sample { face: drawing.proxy.pieces[piece].face, uv, normal: None, depth })
+                    let PieceRecord { face, span_u, span_v, .. } = drawing.proxy.pieces[piece];
+                    Some(Sample { face, place: Parameters { span: [span_u, span_v], uv }, normal: None, depth })
                 }
                 _ => None,
             }
@@ -106,7 +107,7 @@ impl<'a> PointSampler<'a> {
     /// The fragment program at a sample.
     fn hit(&self, sample: &Sample, position: [f64; 2]) -> Hit {
         let drawing = &self.raster.drawing;
-        let fragment = fragment(drawing.scene, sample.face, sample.uv, drawing.options.curvature);
+        let fragment = fragment(drawing.scene, sample.face, sample.place, drawing.options.curvature);
         tile::hit(self.raster, &fragment, position, sample.normal)
     }
 }
@@ -114,7 +115,7 @@ impl<'a> PointSampler<'a> {
 /// What is drawn at a position.
 struct Sample {
     face: u32,
-    uv: [f32; 2],
+    place: Parameters,
     /// The interpolated normal, where it is asked for.
     normal: Option<[f32; 3]>,
     depth: f32,

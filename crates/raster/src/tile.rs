@@ -10,10 +10,10 @@ use crate::setup::Triangle;
 use gbuffer::Hit;
 use glam::DVec3;
 use nurbs::Normal;
-use pipeline::Technique;
 use pipeline::edge;
 use pipeline::fragment::{Fragment, fragment_row};
 use pipeline::newton::Outcome;
+use pipeline::{Parameters, PieceRecord, Technique};
 
 /// Fragments that wait for the fragment program, all of one face.
 #[derive(Default)]
@@ -21,7 +21,7 @@ struct Run {
     face: u32,
     /// Pixels as row × [`TILE`] + column.
     pixels: Vec<u16>,
-    uv: Vec<[f32; 2]>,
+    places: Vec<Parameters>,
     /// Interpolated normals, where they are asked for.
     normals: Vec<[f32; 3]>,
     fragments: Vec<Fragment>,
@@ -49,11 +49,11 @@ fn solved(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Tile {
     let mut tile = DepthTile::new(rect);
     let mut uv = vec![[0.0; 2]; TILE * TILE];
     let mut unconverged = vec![];
-    let mut owners: Vec<u32> = vec![];
+    let mut owners: Vec<usize> = vec![];
     for &id in triangles {
         let Some((piece, triangle)) = exact::far_side(raster, id, [0.0; 2]) else { continue };
         let owner = owners.len() as u32;
-        owners.push(drawing.proxy.pieces[piece].face);
+        owners.push(piece);
         for_each_covered(&triangle, rect, |x, y| match exact::look(raster, piece, [x as f32 + 0.5, y as f32 + 0.5]) {
             Outcome::Hit { uv: found, depth } => {
                 if tile.passes(x, y, depth) {
@@ -68,7 +68,8 @@ fn solved(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Tile {
     let (pixels, starts) = tile.by_owner(owners.len());
     let mut hits = vec![None; if pixels.is_empty() { 0 } else { TILE * TILE }];
     let mut run = Run::default();
-    for (owner, &face) in owners.iter().enumerate() {
+    for (owner, &piece) in owners.iter().enumerate() {
+        let PieceRecord { face, span_u, span_v, .. } = drawing.proxy.pieces[piece];
         let seen = &pixels[starts[owner] as usize..starts[owner + 1] as usize];
         if seen.is_empty() {
             continue;
@@ -77,7 +78,8 @@ fn solved(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Tile {
             shade(raster, rect, &mut run, &mut hits);
             run.face = face;
         }
-        run.uv.extend(seen.iter().map(|&pixel| uv[usize::from(pixel)]));
+        let place = |&pixel: &u16| Parameters { span: [span_u, span_v], uv: uv[usize::from(pixel)] };
+        run.places.extend(seen.iter().map(place));
         run.pixels.extend_from_slice(seen);
     }
     shade(raster, rect, &mut run, &mut hits);
@@ -108,8 +110,8 @@ fn interpolated(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Optio
             if !is_bounded {
                 tile.test(x, y, depth, owner as u32);
             } else if tile.passes(x, y, depth) {
-                let uv = triangle.interpolate(weights, attributes.uv);
-                waiting.add(raster, &mut tile, attributes.face, uv, ([x, y], depth, owner as u32));
+                let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
+                waiting.add(raster, &mut tile, attributes.face, place, ([x, y], depth, owner as u32));
             }
         });
     }
@@ -134,7 +136,8 @@ fn interpolated(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Optio
         for &pixel in seen {
             let (x, y) = position(rect, pixel);
             let weights = triangle.weights(x, y);
-            run.uv.push(triangle.interpolate(weights, attributes.uv));
+            let uv = triangle.interpolate(weights, attributes.uv);
+            run.places.push(Parameters { span: attributes.span, uv });
             if drawing.options.interpolated_normals {
                 run.normals.push(triangle.interpolate(weights, attributes.normal));
             }
@@ -156,14 +159,14 @@ fn position(rect: Rect, pixel: u16) -> (i32, i32) {
 /// Runs the fragment program on all that waits.
 fn shade(raster: &Rasterizer, rect: Rect, run: &mut Run, hits: &mut [Option<Hit>]) {
     let drawing = &raster.drawing;
-    fragment_row(drawing.scene, run.face, &run.uv, drawing.options.curvature, &mut run.fragments);
+    fragment_row(drawing.scene, run.face, &run.places, drawing.options.curvature, &mut run.fragments);
     for (i, (&pixel, fragment)) in run.pixels.iter().zip(&run.fragments).enumerate() {
         let (x, y) = position(rect, pixel);
         let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
         hits[usize::from(pixel)] = Some(hit(raster, fragment, at, run.normals.get(i).copied()));
     }
     run.pixels.clear();
-    run.uv.clear();
+    run.places.clear();
     run.normals.clear();
     run.fragments.clear();
 }
@@ -173,7 +176,9 @@ pub fn hit(raster: &Rasterizer, fragment: &Fragment, at: [f64; 2], interpolated:
     let Rasterizer { drawing, .. } = raster;
     let edge = if drawing.scene.edges {
         let view = &drawing.views[fragment.face as usize];
-        let edge = edge::edge(drawing.scene, view, fragment.face, fragment.uv, at.map(|t| t as f32));
+        let place = Parameters { span: fragment.span, uv: fragment.uv };
+        let whole = drawing.scene.whole(fragment.face, place);
+        let edge = edge::edge(drawing.scene, view, fragment.face, whole, at.map(|t| t as f32));
         // As a GPU records it.
         edge::unpacked(edge::packed(edge)).1
     } else {

@@ -18,12 +18,15 @@
 //! trimmed away.
 
 mod edge;
+mod faces;
 mod line;
 mod pieces;
 mod roots;
 mod tree;
+mod tree_2d;
 mod trim;
 
+use faces::Faces;
 use gbuffer::{GBuffer, Hit, Meta, PrincipalCurvatures};
 use glam::DVec2;
 use line::{Line, Point, normals};
@@ -49,6 +52,8 @@ pub struct Caster<'m> {
     tree: Tree,
     /// Of the faces that are trimmed.
     classifiers: Vec<Option<Classifier>>,
+    /// Of each body, where its faces are.
+    faces: Vec<Faces>,
     edges: bool,
 }
 
@@ -112,8 +117,11 @@ impl<'m> Caster<'m> {
         let pieces = Pieces::new(model);
         let tree = Tree::new(&pieces);
         let region = |id: usize| model.trimmed_region(FaceId(id as u32));
-        let classifiers = (0..model.faces().len()).into_par_iter().map(|id| region(id).map(Classifier::new)).collect();
-        Self { model, pieces, tree, classifiers, edges: false }
+        let classifiers: Vec<Option<Classifier>> =
+            (0..model.faces().len()).into_par_iter().map(|id| region(id).map(Classifier::new)).collect();
+        let classifier = |face: u32| classifiers[face as usize].as_ref();
+        let faces = pieces.bodies.iter().map(|body| Faces::new(&body.faces, classifier)).collect();
+        Self { model, pieces, tree, classifiers, faces, edges: false }
     }
 
     /// The same, by which [`Self::render`] enters the trim edge that passes by each pixel, or (`false`) does not.
@@ -150,7 +158,7 @@ impl<'m> Caster<'m> {
             match outcome {
                 Ok(point) if point.t >= ray.near && best.as_ref().is_none_or(|(old, _)| point.t <= old.t) => {
                     let key = |(point, face): &(Point, u32)| (point.t, *face, point.uv.x, point.uv.y);
-                    let found = self.material_faces(ray, body, point.uv).next().map(|face| (point, face));
+                    let found = self.material_faces(ray, body, point.uv).first().map(|&face| (point, face));
                     best = match (found, best) {
                         (Some(found), Some(old)) if key(&found) < key(&old) => Some(found),
                         (found, old) => old.or(found),
@@ -253,27 +261,29 @@ impl<'m> Caster<'m> {
         } else {
             (point.normal, curvature)
         };
-        Hit { face, uv, t, position: point.derivatives.s, normal, curvature, edge: None }
+        Hit { face, uv, local: None, t, position: point.derivatives.s, normal, curvature, edge: None }
     }
 
     /// The faces of a body that have material at parameters `uv`, ascending: a trim edge within [`EDGE_BOUNDS`] times the
     /// distance at which a point counts as on the ray is material, so that a ray at an edge that two faces share meets one.
-    fn material_faces<'b>(&'b self, ray: &'b Ray, body: &'b Body, uv: DVec2) -> impl Iterator<Item = u32> + 'b {
-        let is_at_edge = move |classifier: &Classifier, face: u32| {
-            let d = self.model.surface(FaceId(face)).first_derivatives(uv.x, uv.y);
-            let speeds = DVec2::new(d.su.length(), d.sv.length());
-            classifier.is_at_edge(uv, speeds, EDGE_BOUNDS * self.residual_bound(ray, FaceId(face)))
-        };
-        let is_material = move |&face: &u32| {
-            self.classifiers[face as usize].as_ref().is_none_or(|c| c.inside(uv) || is_at_edge(c, face))
-        };
-        body.faces.iter().copied().filter(is_material)
+    fn material_faces(&self, ray: &Ray, body: &Body, uv: DVec2) -> Vec<u32> {
+        let d = body.surface.first_derivatives(uv.x, uv.y);
+        let speeds = DVec2::new(d.su.length(), d.sv.length());
+        let reach = EDGE_BOUNDS * Line::new(ray, normals(ray.direction), body).tolerance;
+        let mut faces = self.faces[body.index].near(uv - reach / speeds, uv + reach / speeds);
+        faces.retain(|&face| {
+            self.classifiers[face as usize]
+                .as_ref()
+                .is_none_or(|classifier| classifier.inside(uv) || classifier.is_at_edge(uv, speeds, reach))
+        });
+        faces
     }
 
     /// Whether some face of a body has material in a box of parameters, as far as the distance of the edges tells.
     fn may_be_material(&self, body: &Body, Undecided { uv_low, uv_high, .. }: &Undecided) -> bool {
         let (middle, half) = (0.5 * (*uv_low + *uv_high), 0.5 * (*uv_high - *uv_low));
-        body.faces.iter().any(|&face| {
+        let reach = DVec2::splat(half.length());
+        self.faces[body.index].near(middle - reach, middle + reach).into_iter().any(|face| {
             self.classifiers[face as usize].as_ref().is_none_or(|classifier| {
                 let side = classifier.side(middle, DVec2::ONE);
                 side.inside || side.distance <= half.length()

@@ -34,6 +34,8 @@ pub(crate) struct Body {
     pub scale: f64,
     /// Radius of a ball about the frame's origin that holds the control points.
     pub radius: f64,
+    /// Index among the bodies.
+    pub index: usize,
     /// The faces that use the surface, ascending.
     pub faces: Vec<u32>,
     /// The greatest [`Piece::growth`] of the surface's pieces.
@@ -88,8 +90,9 @@ impl Pieces {
             model.surfaces().iter().zip(faces).filter(|(_, faces)| !faces.is_empty()).collect();
         let mut cut: Vec<(Body, Vec<BezierPatch>)> = used
             .into_par_iter()
-            .map(|(surface, faces)| {
-                let body = Body::new(surface, faces);
+            .enumerate()
+            .map(|(index, (surface, faces))| {
+                let body = Body::new(index, surface, faces);
                 let patches = body.surface.bezier_patches();
                 (body, patches)
             })
@@ -115,11 +118,8 @@ impl Pieces {
                 most -= 1;
             }
         }
-        let parts: Vec<(Vec<Piece>, Vec<[f64; 4]>)> = cut
-            .par_iter_mut()
-            .enumerate()
-            .map(|(index, (body, patches))| body.cut(index, std::mem::take(patches), limit, most))
-            .collect();
+        let parts: Vec<(Vec<Piece>, Vec<[f64; 4]>)> =
+            cut.par_iter_mut().map(|(body, patches)| body.cut(std::mem::take(patches), limit, most)).collect();
         let bodies = cut.into_iter().map(|(body, _)| body).collect();
         let mut all = Self { bodies, body_of_surface, pieces: vec![], control: vec![] };
         all.pieces.reserve_exact(parts.iter().map(|(pieces, _)| pieces.len()).sum());
@@ -157,7 +157,7 @@ fn power_of_two(x: f64) -> f64 {
 }
 
 impl Body {
-    fn new(surface: &Surface, faces: Vec<u32>) -> Self {
+    fn new(index: usize, surface: &Surface, faces: Vec<u32>) -> Self {
         let hull = surface.hull();
         let origin = surface.origin();
         let half = (hull.max - origin).max(origin - hull.min).max_element();
@@ -172,11 +172,11 @@ impl Body {
         let knots = |direction| surface.knots(direction).clone();
         let surface = Surface::new(knots(Direction::U), knots(Direction::V), points, weights)
             .expect("a legal surface stays legal when it is moved to its own centre and scaled by powers of two");
-        Self { surface, origin, scale, radius, faces, growth: 0.0 }
+        Self { index, surface, origin, scale, radius, faces, growth: 0.0 }
     }
 
     /// Cuts the patches of this body's surface; `first` of each piece counts from 0.
-    fn cut(&mut self, index: usize, patches: Vec<BezierPatch>, limit: f64, most: u32) -> (Vec<Piece>, Vec<[f64; 4]>) {
+    fn cut(&mut self, patches: Vec<BezierPatch>, limit: f64, most: u32) -> (Vec<Piece>, Vec<[f64; 4]>) {
         let [p, q] = self.surface.degree();
         let [knots_u, knots_v] = [Direction::U, Direction::V].map(|d| self.surface.knots(d));
         let (mut pieces, mut control) = (vec![], vec![]);
@@ -195,7 +195,7 @@ impl Body {
                     let weight = part.control.iter().fold(0.0, |m: f64, c| m.max(c.w));
                     control.extend(part.control.iter().map(|c| c.to_array()));
                     let span = span.map(|k| k as u32);
-                    pieces.push(Piece { body: index as u32, first, span, domain: part.domain, growth, weight });
+                    pieces.push(Piece { body: self.index as u32, first, span, domain: part.domain, growth, weight });
                 }
             }
         }

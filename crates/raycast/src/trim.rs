@@ -5,6 +5,7 @@
 //! number is a sum over chords, and only where the point is inside a hull is the curve halved. A box tree over all
 //! segments leaves out those that the ray toward +u passes by.
 
+use crate::tree_2d::{Node, grow};
 use glam::{DMat2, DVec2, DVec3};
 use nurbs::{BezierCurve, MAX_ORDER, Rectangle};
 use scene::Region;
@@ -23,9 +24,6 @@ const PLACE_SLACK_PX: f64 = 1e-10;
 
 /// What lies within this share of the domain of a side of it lies on it.
 const ON_SIDE: f64 = 1e-10;
-
-/// Segments in a leaf of the box tree.
-const LEAF: usize = 4;
 
 /// On which side of the edge a point is, and how far from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,16 +70,6 @@ pub struct Classifier {
     nodes: Vec<Node>,
 }
 
-/// A box with the segments or the two nodes in it.
-#[derive(Debug, Clone)]
-struct Node {
-    hull: Rectangle,
-    /// First and past-the-last segment.
-    range: [usize; 2],
-    /// The two halves; `None` in a leaf.
-    halves: Option<[usize; 2]>,
-}
-
 impl Classifier {
     /// Takes over the loops of `region`.
     pub fn new(region: &Region) -> Self {
@@ -94,11 +82,20 @@ impl Classifier {
         Self { domain: region.domain(), ends, segments: segments.into_iter().map(|(_, s)| s).collect(), nodes }
     }
 
+    /// The box of the loops, outside of which nothing is material.
+    pub(crate) fn hull(&self) -> Rectangle {
+        self.nodes[0].hull
+    }
+
     /// Whether the point (u, v) of the closed domain is material: the winding number of all loops is not zero.
     ///
     /// A point on the domain's border counts as its neighbour inside. Right for every point that is farther from all
     /// edges than 16 ε of the loops' greatest coordinate; on the edge itself it is one of the two answers.
+    /// What is not finite is not material.
     pub fn inside(&self, uv: DVec2) -> bool {
+        if !uv.is_finite() {
+            return false;
+        }
         let below = self.domain.max.map(f64::next_down);
         self.winding(uv.clamp(self.domain.min, below)) != 0
     }
@@ -197,7 +194,9 @@ impl Classifier {
         let (start, end) = (map.at(uv(0)), map.at(uv(p)));
         let bend = (1..p).map(|i| distance_to_segment(map.at(uv(i)), start, end)).fold(0.0, f64::max);
         let chord = distance_to_segment(DVec2::ZERO, start, end);
-        if nearest.distance <= chord - bend + PLACE_SLACK_PX {
+        // Also where the map is not finite: then nothing is near, and nothing is halved.
+        let may_be_nearer = chord - bend + PLACE_SLACK_PX < nearest.distance;
+        if !may_be_nearer {
             return;
         }
         let inside = (0..=p).all(|i| (min - margin).cmple(uv(i)).all() && uv(i).cmple(max + margin).all());
@@ -218,6 +217,9 @@ impl Classifier {
 
     /// Whether an edge comes within `reach` of (u, v), in the metric of [`Self::side`], give or take a hundredth of it.
     pub fn is_at_edge(&self, uv: DVec2, speeds: DVec2, reach: f64) -> bool {
+        if reach < box_distance(self.nodes[0].hull, uv, speeds) {
+            return false;
+        }
         let mut nearest = reach.next_up();
         self.approach(0, uv, speeds, &mut nearest);
         nearest <= reach
@@ -263,25 +265,6 @@ impl Classifier {
             }
         }
     }
-}
-
-/// Builds the node of `segments[range]`, sorting them, and returns its index; parents come before their halves.
-fn grow(nodes: &mut Vec<Node>, segments: &mut [(Rectangle, BezierCurve)], range: [usize; 2]) -> usize {
-    let part = &mut segments[range[0]..range[1]];
-    let hull = part.iter().map(|(hull, _)| *hull).fold(Rectangle::EMPTY, Rectangle::union);
-    let index = nodes.len();
-    nodes.push(Node { hull, range, halves: None });
-    if part.len() > LEAF {
-        let axis = usize::from(hull.size().x < hull.size().y);
-        let middle = |hull: &Rectangle| hull.min[axis] + hull.max[axis];
-        let half = part.len() / 2;
-        part.select_nth_unstable_by(half, |a, b| middle(&a.0).total_cmp(&middle(&b.0)));
-        let split = range[0] + half;
-        let low = grow(nodes, segments, [range[0], split]);
-        let high = grow(nodes, segments, [split, range[1]]);
-        nodes[index].halves = Some([low, high]);
-    }
-    index
 }
 
 /// What a segment adds to the winding number of `uv`: crossings of the ray toward +u, upward less downward.
@@ -337,8 +320,9 @@ fn approach_curve(control: &[DVec3], nearest: &mut f64, halvings: u32) {
     let bend = (1..p).map(|i| distance_to_segment(point(i), start, end)).fold(0.0, f64::max);
     let chord = distance_to_segment(DVec2::ZERO, start, end);
     *nearest = nearest.min(chord + bend);
-    let least = chord - bend;
-    if halvings == 0 || *nearest <= least * (1.0 + DISTANCE_SLACK) {
+    // Not so, either, where the metric is not finite: then nothing is near, and nothing is halved.
+    let may_be_nearer = (chord - bend) * (1.0 + DISTANCE_SLACK) < *nearest;
+    if halvings == 0 || !may_be_nearer {
         return;
     }
     if bend <= f64::EPSILON * (start.abs().max_element() + end.abs().max_element()) {

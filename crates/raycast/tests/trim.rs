@@ -24,10 +24,7 @@ fn plane(side: f64) -> Surface {
 fn closed(outer: bool, degree: usize, points: Vec<DVec2>, weights: Vec<f64>) -> Loop {
     let knots = knots(degree, (points.len() - 1) / degree, 1.0);
     let weights = Some(weights);
-    Loop {
-        outer,
-        trims: vec![Trim { knots, points, weights, reversed: !outer, seam: false, degenerate: false, edge: None }],
-    }
+    Loop { outer, trims: vec![Trim { reversed: !outer, ..Trim::new(knots, points, weights) }] }
 }
 
 fn circle(outer: bool, center: DVec2, radius: f64) -> Loop {
@@ -37,7 +34,7 @@ fn circle(outer: bool, center: DVec2, radius: f64) -> Loop {
 }
 
 fn region(surface: &Surface, loops: Vec<Loop>) -> Region {
-    Region::new(0, &Face { loops, ..Face::whole(0) }, surface).unwrap().unwrap()
+    Region::new(0, &Face { loops, ..Face::whole(0) }, surface, 0.0).unwrap().unwrap()
 }
 
 /// The winding number by the region's monotone pieces: the rasterizers' way, with nothing of the classifier's.

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 /// Full vertical field of view of the default camera, degrees.
 const DEFAULT_FOV: f64 = 40.0;
 
-/// Direction from the model's centre to the default eye: a three-quarter view from the front right, above.
+/// Direction from the model to the default eye: a three-quarter view from the front right, above.
 const DEFAULT_DIRECTION: DVec3 = DVec3::new(1.0, -1.6, 0.9);
 
-/// How much farther than needed to hold the model's box the default eye stands.
+/// How much farther than needed to hold the model the default eye stands.
 const DEFAULT_MARGIN: f64 = 1.03;
 
 /// Near distance of a perspective camera as a share of its distance from the target, unless one is given.
@@ -123,12 +123,13 @@ impl Camera {
             }
         }
         let offset = target - eye;
-        let distance = offset.length();
-        if !(distance > 0.0 && distance.is_finite()) {
-            return Err(SceneError::EyeIsTarget { at: eye.to_array() });
+        if !offset.is_finite() {
+            return Err(SceneError::CameraNotFinite { name: "way from eye to target", value: f64::INFINITY });
         }
-        let forward = offset / distance;
-        let right = forward.cross(up.normalize_or_zero());
+        let Some((forward, distance)) = unit(offset) else {
+            return Err(SceneError::EyeIsTarget { at: eye.to_array() });
+        };
+        let right = forward.cross(unit(up).map_or(DVec3::ZERO, |(up, _)| up));
         // The sine of the angle between view and up: below a millionth the picture's roll is noise.
         if right.length() <= 1e-6 {
             return Err(SceneError::UpIsParallel { up: up.to_array() });
@@ -181,35 +182,41 @@ impl Camera {
         }
     }
 
-    /// A camera that frames `model` from the front right, above: eye along (1, −1.6, 0.9) from the centre of its
-    /// box, z up, 40° high, 3 % farther than holds the box.
+    /// A camera that frames `model` from the front right, above: along (−1, 1.6, −0.9), z up, 40° high, 3 % farther than
+    /// holds all that is seen, which it has in the picture's middle.
     pub fn framing(model: &Model, viewport: Viewport) -> Self {
-        Self::framing_hull(model.hull(), viewport)
-    }
-
-    /// As [`Self::framing`], for a box.
-    pub fn framing_hull(hull: Hull, viewport: Viewport) -> Self {
-        let center = hull.center();
         let direction = DEFAULT_DIRECTION.normalize();
         let forward = -direction;
         let right = forward.cross(DVec3::Z).normalize();
         let above = right.cross(forward);
         let k = libm::tan(DEFAULT_FOV.to_radians() / 2.0);
-        let distance = hull.corners().iter().fold(0.0, |most: f64, corner| {
-            let q = *corner - center;
-            let across = (q.dot(right).abs() / (k * viewport.aspect())).max(q.dot(above).abs() / k);
-            most.max(across - q.dot(forward))
-        });
-        // A model of a single point has no size; any distance shows it.
-        let distance = if distance > 0.0 { distance } else { 1.0 };
-        let eye = center + direction * distance * DEFAULT_MARGIN;
-        Self::look_at(eye, center, DVec3::Z, Projection::Perspective { fov_deg: DEFAULT_FOV })
+        let (extent, center) = (model.extent(), model.hull().center());
+        // With the eye at c − d forward + x right, a point q from c is left of the picture's right border where
+        // q · (right / k − forward) ≤ d + x / k; and so on for the other three.
+        let frame = |across: DVec3, k: f64| {
+            let reach = |along: DVec3| extent.reach(along) - center.dot(along);
+            let (one, other) = (reach(across / k - forward), reach(-across / k - forward));
+            (0.5 * (one + other), 0.5 * k * (one - other))
+        };
+        let [(by_width, x), (by_height, y)] = [frame(right, k * viewport.aspect()), frame(above, k)];
+        // A model of a single point has no size, or less than its coordinates can tell; any distance shows it.
+        let least = 16.0 * f64::EPSILON * center.abs().max_element();
+        let distance = by_width.max(by_height);
+        let distance = if distance > least { distance } else { 1.0f64.max(2.0 * least) };
+        let target = center + x * right + y * above;
+        let eye = target + direction * distance * DEFAULT_MARGIN;
+        Self::look_at(eye, target, DVec3::Z, Projection::Perspective { fov_deg: DEFAULT_FOV })
             .expect("finite, distinct, and not straight along z")
     }
 
     /// Where the camera stands.
     pub fn eye(&self) -> DVec3 {
         self.eye
+    }
+
+    /// The point that the camera looks at.
+    pub fn target(&self) -> DVec3 {
+        self.target
     }
 
     /// Unit view direction.
@@ -365,6 +372,19 @@ impl Camera {
     }
 }
 
+/// The unit vector along `v` and the length of `v`, however small or large it is; `None` for zero.
+fn unit(v: DVec3) -> Option<(DVec3, f64)> {
+    let greatest = v.abs().max_element();
+    if greatest == 0.0 {
+        return None;
+    }
+    // A power of two, by which all is exact: squares of 1e-163 and 1e163 leave f64.
+    let scale = f64::from_bits(greatest.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000);
+    let scaled = v / scale;
+    let length = scaled.length();
+    Some((scaled / length, length * scale))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -436,6 +456,22 @@ mod tests {
         for camera in cameras() {
             let corner = camera.ray(viewport, 0.5, 0.5).at(5.0) - camera.ray(viewport, 50.0, 50.0).at(5.0);
             assert!(corner.dot(camera.above()) > 0.0 && corner.dot(camera.right()) < 0.0);
+        }
+    }
+
+    #[test]
+    fn a_camera_is_the_same_at_every_scale() {
+        let viewport = Viewport::new(320, 200).unwrap();
+        let at = |scale: f64| {
+            let perspective = Projection::Perspective { fov_deg: 50.0 };
+            let (eye, target) = (DVec3::new(3.0, -4.0, 2.0) * scale, DVec3::new(0.5, 0.25, 0.125) * scale);
+            Camera::look_at(eye, target, DVec3::new(0.0, 0.1, 1.0) * scale, perspective).unwrap()
+        };
+        for exponent in [-1000, -600, -40, 40, 600, 1000] {
+            let scale = 2f64.powi(exponent);
+            let [plain, scaled] = [at(1.0), at(scale)].map(|camera| camera.ray(viewport, 17.5, 42.5));
+            assert_eq!(plain.direction, scaled.direction, "2^{exponent}");
+            assert_eq!(plain.near * scale, scaled.near, "2^{exponent}");
         }
     }
 

@@ -83,6 +83,58 @@ pub enum SceneError {
         /// Its flag.
         outer: bool,
     },
+    /// A loop reaches over so many periods of a closed surface that its copies are not made.
+    #[error("face {face}, loop {boundary}: the loop reaches over {copies} copies of its closed surface, above {limit}")]
+    LoopReach {
+        /// Index of the face.
+        face: usize,
+        /// Index of the loop in the face.
+        boundary: usize,
+        /// Copies of the loop, a period apart, that reach into the domain.
+        copies: f64,
+        /// The most that are made.
+        limit: usize,
+    },
+    /// A loop on a closed surface covers the same place twice.
+    #[error("face {face}, loop {boundary}: a period on, the loop overlaps itself near (u, v) = {at:?}")]
+    LoopOverlap {
+        /// Index of the face.
+        face: usize,
+        /// Index of the loop in the face.
+        boundary: usize,
+        /// Where, in the surface's parameters.
+        at: [f64; 2],
+    },
+    /// An odd number of loops goes around a surface that is closed in the other direction, too.
+    #[error(
+        "face {face}, loops {boundaries:?}: an odd number of rings around a surface closed both ways bounds nothing"
+    )]
+    OddRings {
+        /// Index of the face.
+        face: usize,
+        /// Indices of the loops that go around.
+        boundaries: Vec<usize>,
+    },
+    /// The loops enclose nothing of the surface's domain.
+    #[error("face {face}: its loops leave no material inside the surface's domain")]
+    NoMaterial {
+        /// Index of the face.
+        face: usize,
+    },
+    /// The loops touch in so many places that they are not searched for crossings.
+    #[error("face {face}: its loops meet so often that to search them for crossings takes above {limit} steps")]
+    TrimWork {
+        /// Index of the face.
+        face: usize,
+        /// The most steps that are taken.
+        limit: usize,
+    },
+    /// No face is left of a model.
+    #[error("no face can be drawn: {}", listed(causes))]
+    NoFaceLeft {
+        /// Why each was left out; never empty.
+        causes: Vec<SceneError>,
+    },
     /// Two trims cross, of one loop or of two.
     #[error("face {face}: {first} crosses {second} near (u, v) = {at:?}")]
     TrimsCross {
@@ -160,6 +212,21 @@ pub enum SceneError {
         /// The distance, model units.
         near: f64,
     },
+}
+
+/// Causes that a message lists before it only counts the rest.
+const LISTED: usize = 100;
+
+fn listed(causes: &[SceneError]) -> String {
+    if let [cause] = causes {
+        return cause.to_string();
+    }
+    let mut text = format!("{} are left out", causes.len());
+    text.extend(causes.iter().take(LISTED).map(|cause| format!("\n  {cause}")));
+    if let Some(more) = causes.len().checked_sub(LISTED + 1) {
+        text += &format!("\n  and {} more", more + 1);
+    }
+    text
 }
 
 /// Which curve of a face is meant.

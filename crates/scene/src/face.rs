@@ -19,7 +19,7 @@ pub struct Face {
     pub tolerance: f64,
     /// Trim loops in the surface's parameters; none means the whole rectangle.
     ///
-    /// They are kept as read; [`Region`](crate::Region) is what they mean.
+    /// They are kept as read, those that enclose nothing too; [`Region`](crate::Region) is what they mean.
     pub loops: Vec<Loop>,
 }
 
@@ -56,4 +56,26 @@ pub struct Trim {
     pub degenerate: bool,
     /// The edge shared with other faces, where the file names one.
     pub edge: Option<i64>,
+    /// How far the modeller lets the edge's curves run apart, model units; 0 where none was given.
+    pub edge_tolerance: f64,
+    /// The radius of the ball in which the modeller lets edges end that meet where the loop enters this trim, model units.
+    /// Two ends in one ball are up to twice that apart.
+    pub vertex_tolerance: Option<f64>,
+}
+
+impl Trim {
+    /// A trim run forwards, without flags, edge or tolerances of its own.
+    pub fn new(knots: KnotVector, points: Vec<DVec2>, weights: Option<Vec<f64>>) -> Self {
+        Self {
+            knots,
+            points,
+            weights,
+            reversed: false,
+            seam: false,
+            degenerate: false,
+            edge: None,
+            edge_tolerance: 0.0,
+            vertex_tolerance: None,
+        }
+    }
 }

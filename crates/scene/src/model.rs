@@ -1,7 +1,8 @@
 //! A model: surfaces and the faces that use them.
 
-use crate::{Face, FaceId, Region, SceneError};
-use nurbs::{BezierPatch, Hull, Surface};
+use crate::extent::Extent;
+use crate::{Face, FaceId, Note, Region, SceneError};
+use nurbs::{Hull, Surface};
 
 /// A named set of faces over surfaces; never empty, and every face's surface exists.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,8 +10,11 @@ pub struct Model {
     name: String,
     surfaces: Vec<Surface>,
     faces: Vec<Face>,
+    /// The number that each face has in its file.
+    numbers: Vec<usize>,
     regions: Vec<Option<Region>>,
     hull: Hull,
+    notes: Vec<Note>,
 }
 
 impl Model {
@@ -19,17 +23,68 @@ impl Model {
     /// # Errors
     /// [`SceneError::NoFaces`], [`SceneError::NoSuchSurface`], and those of [`Region::new`].
     pub fn new(name: impl Into<String>, surfaces: Vec<Surface>, faces: Vec<Face>) -> Result<Self, SceneError> {
+        let model = Self::of_sound_faces(name, surfaces, faces.into_iter().enumerate().collect(), vec![]);
+        let model = model.map_err(|error| match error {
+            SceneError::NoFaceLeft { mut causes } => causes.swap_remove(0),
+            other => other,
+        })?;
+        let left_out = model.notes.into_iter().find_map(|note| match note {
+            Note::FaceLeftOut { cause, .. } => Some(cause),
+            _ => None,
+        });
+        match left_out {
+            Some(cause) => Err(cause),
+            None => Ok(Self { notes: vec![], ..model }),
+        }
+    }
+
+    /// A model of those of the given faces, each with the number that it has in its file, whose loops bound a region.
+    ///
+    /// A face that has none is left out, and [`Self::notes`] says so after the `notes` given here. Several faces may have
+    /// one number, as the parts of a face that was cut: then a part in which no loop leaves material is no loss.
+    ///
+    /// # Errors
+    /// [`SceneError::NoFaces`], [`SceneError::NoSuchSurface`], and [`SceneError::NoFaceLeft`] where all are left out.
+    pub fn of_sound_faces(
+        name: impl Into<String>,
+        surfaces: Vec<Surface>,
+        faces: Vec<(usize, Face)>,
+        mut notes: Vec<Note>,
+    ) -> Result<Self, SceneError> {
         if faces.is_empty() {
             return Err(SceneError::NoFaces);
         }
         let count = surfaces.len();
-        if let Some(face) = faces.iter().position(|f| f.surface >= count) {
-            return Err(SceneError::NoSuchSurface { face, surface: faces[face].surface, count });
+        if let Some((face, Face { surface, .. })) = faces.iter().find(|(_, f)| f.surface >= count) {
+            return Err(SceneError::NoSuchSurface { face: *face, surface: *surface, count });
         }
-        let region = |(index, face): (usize, &Face)| Region::new(index, face, &surfaces[face.surface]);
-        let regions: Vec<Option<Region>> = faces.iter().enumerate().map(region).collect::<Result<_, _>>()?;
-        let hull = hull(&surfaces, &faces, &regions);
-        Ok(Self { name: name.into(), surfaces, faces, regions, hull })
+        let extent = faces.iter().map(|(_, face)| from_origin(&surfaces[face.surface])).fold(0.0, f64::max);
+        let (mut sound, mut numbers, mut regions, mut causes) = (vec![], vec![], vec![], vec![]);
+        let mut known: Option<usize> = None;
+        let mut faces = faces.into_iter().peekable();
+        while let Some((number, face)) = faces.next() {
+            match Region::new(number, &face, &surfaces[face.surface], extent) {
+                Ok(region) => {
+                    // The parts of a face say the same.
+                    if let Some(region) = region.as_ref().filter(|_| known != Some(number)) {
+                        notes.extend(notes_of(number, region));
+                    }
+                    known = Some(number);
+                    sound.push(face);
+                    numbers.push(number);
+                    regions.push(region);
+                }
+                Err(SceneError::NoMaterial { .. }) if known == Some(number) => {}
+                Err(SceneError::NoMaterial { .. }) if faces.peek().is_some_and(|(next, _)| *next == number) => {}
+                Err(cause) => causes.push((number, cause)),
+            }
+        }
+        if sound.is_empty() {
+            return Err(SceneError::NoFaceLeft { causes: causes.into_iter().map(|(_, cause)| cause).collect() });
+        }
+        notes.extend(causes.into_iter().map(|(face, cause)| Note::FaceLeftOut { face, cause }));
+        let hull = Extent::new(&surfaces, &sound, &regions).hull();
+        Ok(Self { name: name.into(), surfaces, faces: sound, numbers, regions, hull, notes })
     }
 
     /// A model with one whole face a surface.
@@ -51,7 +106,7 @@ impl Model {
         assert_eq!(self.surfaces[index].domain(), surface.domain(), "a region is a part of its surface's domain");
         let mut model = self.clone();
         model.surfaces[index] = surface;
-        model.hull = hull(&model.surfaces, &model.faces, &model.regions);
+        model.hull = model.extent().hull();
         model
     }
 
@@ -68,6 +123,19 @@ impl Model {
     /// All faces, in order of [`FaceId`].
     pub fn faces(&self) -> &[Face] {
         &self.faces
+    }
+
+    /// What of its file is not drawn as it stands there; empty for a model that was not read from one.
+    pub fn notes(&self) -> &[Note] {
+        &self.notes
+    }
+
+    /// The number that a face has in its file: another one where faces before it were left out or cut.
+    ///
+    /// # Panics
+    /// Where `id` is not one of this model's faces.
+    pub fn number_in_file(&self, id: FaceId) -> usize {
+        self.numbers[id.0 as usize]
     }
 
     /// The surface of a face.
@@ -99,10 +167,14 @@ impl Model {
         self.faces.iter().any(|f| !f.loops.is_empty())
     }
 
-    /// A box that holds all faces: the hull of their Bézier pieces in the boxes of their regions, tighter than that of
-    /// their control points.
+    /// A box that holds all that is seen of all faces, at most 0.1 % of its extent too large on any side.
     pub fn hull(&self) -> Hull {
         self.hull
+    }
+
+    /// How far what is seen reaches along any direction.
+    pub(crate) fn extent(&self) -> Extent<'_> {
+        Extent::new(&self.surfaces, &self.faces, &self.regions)
     }
 
     /// A 64-bit FNV-1a hash of all that is drawn (degrees, knots, points, weights, orientations, loops), as
@@ -116,16 +188,23 @@ impl Model {
                 hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
             }
         };
-        for face in &self.faces {
+        // A surface of thousands of faces counts once: after that, by the first face that it is of.
+        let mut first_face: Vec<Option<usize>> = vec![None; self.surfaces.len()];
+        for (id, face) in self.faces.iter().enumerate() {
             let surface = &self.surfaces[face.surface];
             add(u64::from(face.reversed));
-            for direction in [nurbs::Direction::U, nurbs::Direction::V] {
-                let knots = surface.knots(direction);
-                add(knots.degree() as u64);
-                knots.knots().iter().for_each(|k| add(k.to_bits()));
+            if let Some(first) = first_face[face.surface] {
+                add(first as u64);
+            } else {
+                first_face[face.surface] = Some(id);
+                for direction in [nurbs::Direction::U, nurbs::Direction::V] {
+                    let knots = surface.knots(direction);
+                    add(knots.degree() as u64);
+                    knots.knots().iter().for_each(|k| add(k.to_bits()));
+                }
+                surface.points().iter().flat_map(|p| p.to_array()).for_each(|x| add(x.to_bits()));
+                surface.weights().unwrap_or_default().iter().for_each(|w| add(w.to_bits()));
             }
-            surface.points().iter().flat_map(|p| p.to_array()).for_each(|x| add(x.to_bits()));
-            surface.weights().unwrap_or_default().iter().for_each(|w| add(w.to_bits()));
             for boundary in &face.loops {
                 add(boundary.trims.len() as u64);
                 for trim in &boundary.trims {
@@ -141,35 +220,14 @@ impl Model {
     }
 }
 
-/// A box that holds what is seen of all faces.
-fn hull(surfaces: &[Surface], faces: &[Face], regions: &[Option<Region>]) -> Hull {
-    let patches = faces.iter().zip(regions).flat_map(|(face, region)| seen(&surfaces[face.surface], region.as_ref()));
-    patches.map(|patch| patch.hull()).reduce(Hull::union).expect("a face has a span, and a region is in one")
+/// The greatest distance of a surface's control box from the origin, along any axis.
+fn from_origin(surface: &Surface) -> f64 {
+    let hull = surface.hull();
+    hull.min.abs().max(hull.max.abs()).max_element()
 }
 
-/// The Bézier pieces of a surface, cut at the box of a region.
-fn seen(surface: &Surface, region: Option<&Region>) -> Vec<BezierPatch> {
-    let patches = surface.bezier_patches();
-    let Some(hull) = region.map(Region::hull) else { return patches };
-    let inside = |patch: &BezierPatch| {
-        let [[u0, u1], [v0, v1]] = patch.domain;
-        u0 <= hull.max.x && hull.min.x <= u1 && v0 <= hull.max.y && hull.min.y <= v1
-    };
-    let within = |[low, high]: [f64; 2], t: f64| low < t && t < high;
-    let cut = |mut patch: BezierPatch| {
-        if within(patch.domain[0], hull.min.x) {
-            patch = patch.split_u(hull.min.x)[1].clone();
-        }
-        if within(patch.domain[0], hull.max.x) {
-            patch = patch.split_u(hull.max.x)[0].clone();
-        }
-        if within(patch.domain[1], hull.min.y) {
-            patch = patch.split_v(hull.min.y)[1].clone();
-        }
-        if within(patch.domain[1], hull.max.y) {
-            patch = patch.split_v(hull.max.y)[0].clone();
-        }
-        patch
-    };
-    patches.into_iter().filter(inside).map(cut).collect()
+fn notes_of(face: usize, region: &Region) -> Vec<Note> {
+    let repairs = region.repairs();
+    let dropped = repairs.dropped.iter().map(|&boundary| Note::LoopDropped { face, boundary });
+    dropped.chain(repairs.wide_gaps.iter().map(|gap| Note::WideGap { face, gap: gap.clone() })).collect()
 }

@@ -92,9 +92,7 @@ impl Walk<'_> {
         if halvings == 0 || self.deviation(&control, from.t, t) <= SHARE * self.tolerance {
             let knots = KnotVector::new(3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]).expect("one span");
             let points = control.to_vec();
-            let trim =
-                Trim { knots, points, weights: None, reversed: false, seam: false, degenerate: false, edge: None };
-            self.trims.push(trim);
+            self.trims.push(Trim::new(knots, points, None));
             return Ok(to);
         }
         let middle = self.between(from, 0.5 * (from.t + t), halvings - 1)?;

@@ -5,32 +5,44 @@
 //! ones run counter-clockwise and holes clockwise, islands in holes counter-clockwise again, however deep; as they do
 //! not cross, the winding number is 0 or 1 everywhere, and even-odd says the same.
 //!
-//! On the way: curves become Bézier segments ([`chain`]), small gaps are healed, loops that leave the domain of a
-//! closed surface are repeated a period apart, rings that close only around it are closed beyond the domain
-//! ([`ring`]), every loop's depth is found and its orientation made to fit ([`nesting`]), curves are cut where they
-//! turn, held to the domain ([`clip`]), and searched for crossings ([`crossing`]).
+//! On the way: curves become Bézier segments and small gaps are healed ([`chain`]), loops that leave the domain of a
+//! closed surface are repeated a period apart ([`contour`]), rings that close only around it are closed beyond the domain
+//! ([`ring`]), all are searched for crossings ([`crossing`]), every loop's depth is found and its orientation made to fit
+//! ([`nesting`]), and curves are cut where they turn and clamped to the domain ([`clip`]).
 
 mod chain;
 mod clip;
+mod contour;
 mod crossing;
 mod nesting;
 mod ring;
 
 use crate::{Face, SceneError};
 use chain::Chain;
+use contour::Contour;
 use glam::DVec2;
-use nurbs::{BezierCurve, Direction, Rectangle, Surface};
+use nurbs::{BezierCurve, Rectangle, Surface};
 
-/// A gap up to this share of the surface's control box is healed even where the face states a finer tolerance.
+/// A gap up to this share of the model's extent is healed even where the face states a finer tolerance.
 ///
-/// Modellers keep 1e-7 on parts of any size; files print 7 to 15 digits. The greatest gap measured in eleven CAD models is
-/// 4.4e-9 of its surface, and 1e-7 is a thousandth of a pixel of a picture of 10,000 pixels a side.
+/// Modellers keep 1e-7 on parts of any size; files print 7 to 15 digits of numbers that grow with the distance from the
+/// origin. 1e-7 is a thousandth of a pixel of a picture of 10,000 pixels a side.
 const GAP_FLOOR: f64 = 1e-7;
+
+/// What is below this share of a face's size is small, however large the tolerance: no tolerance closes a wider surface,
+/// and a gap that no vertex accounts for is closed up to it.
+const SMALL: f64 = 1e-3;
+
+/// How often a loop may be repeated where it leaves the domain of a closed surface: a spiral of 64 turns, say.
+const MAX_COPIES: usize = 64;
 
 /// Trims within this share of the domain's length of a border of the domain lie on it.
 ///
 /// Projected borders come out a few thousand ulp aside; 1e-10 of a domain is less than f32 parameters can hold.
 const ON_BORDER: f64 = 1e-10;
+
+/// Share of the domain's area below which a region is rounding.
+const NO_AREA: f64 = 64.0 * f64::EPSILON;
 
 /// Relative difference of areas below which a region is its whole domain.
 const WHOLE_AREA: f64 = 1e-9;
@@ -102,6 +114,26 @@ pub struct Repairs {
     pub mislabelled: Vec<usize>,
     /// Loops that leave the domain of a closed surface across its seam, or go around it.
     pub across_seam: Vec<usize>,
+    /// Loops that enclose nothing, and were left out.
+    pub dropped: Vec<usize>,
+    /// Gaps that were closed though they are wider than the tolerances of the file.
+    pub wide_gaps: Vec<WideGap>,
+}
+
+/// A gap between two trims that is wider than the file's tolerances, and was closed.
+///
+/// That happens where the file gives the face a tolerance and its vertices none: files keep the finest of a modeller's
+/// tolerances, and its vertices' are coarser.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WideGap {
+    /// Index of the loop in the face.
+    pub boundary: usize,
+    /// Index of the trim after the gap.
+    pub trim: usize,
+    /// Length of the gap along the surface, model units.
+    pub gap: f64,
+    /// The tolerance that the file states, model units.
+    pub tolerance: f64,
 }
 
 /// The trimmed part of a face's domain.
@@ -120,29 +152,48 @@ pub struct Region {
 impl Region {
     /// The region of `face`, number `index` of its model, on its surface; `None` where it has no loops.
     ///
+    /// `extent` is the greatest distance of the model's control points from the origin, model units: gaps up to 1e-7 of
+    /// it are rounding.
+    ///
     /// # Errors
     /// [`SceneError::EmptyLoop`], [`SceneError::TrimCurve`], [`SceneError::TrimGap`], [`SceneError::LoopPeriod`],
-    /// [`SceneError::Nesting`], [`SceneError::TrimsCross`].
-    pub fn new(index: usize, face: &Face, surface: &Surface) -> Result<Option<Self>, SceneError> {
+    /// [`SceneError::LoopReach`], [`SceneError::OddRings`], [`SceneError::TrimsCross`], [`SceneError::LoopOverlap`],
+    /// [`SceneError::TrimWork`], [`SceneError::Nesting`], [`SceneError::NoMaterial`].
+    pub fn new(index: usize, face: &Face, surface: &Surface, extent: f64) -> Result<Option<Self>, SceneError> {
         if face.loops.is_empty() {
             return Ok(None);
         }
-        let frame = Frame::new(index, face, surface);
+        let frame = Frame::new(index, face, surface, extent);
         let mut repairs = Repairs::default();
         let mut chains = vec![];
         for (i, boundary) in face.loops.iter().enumerate() {
-            chains.push(Chain::new(&frame, i, boundary, &mut repairs)?);
+            match Chain::new(&frame, i, boundary, &mut repairs)? {
+                Some(chain) => chains.push(chain),
+                None => repairs.dropped.push(i),
+            }
         }
         let (closed, rings): (Vec<Chain>, Vec<Chain>) = chains.into_iter().partition(|c| c.periods == [0, 0]);
         let mut loops = ring::close(&frame, &rings, &mut repairs)?;
-        nesting::place(&frame, &closed, &mut loops, &mut repairs)?;
+        let mut contours = closed.iter().map(|chain| Contour::new(&frame, chain)).collect::<Result<Vec<_>, _>>()?;
+        crossing::check(&frame, &loops, &contours, repairs.largest_gap)?;
+        contours.retain(|contour| {
+            let is_kept = !contour.encloses_nothing(&frame);
+            if !is_kept {
+                repairs.dropped.push(contour.chain.source);
+            }
+            is_kept
+        });
+        check_dropped(index, face, &repairs)?;
+        nesting::place(&frame, &contours, &mut loops, &mut repairs)?;
         let pieces = clip::pieces(&frame, &loops);
-        crossing::check(&frame, &loops, &pieces)?;
         let middle = 0.5 * (frame.domain.min + frame.domain.max);
         let area: f64 = pieces.iter().map(|p| p.curve.area(middle)).sum();
         let size = frame.domain.size();
-        let whole =
-            pieces.iter().all(|p| p.on_border) && (area - size.x * size.y).abs() <= WHOLE_AREA * size.x * size.y;
+        let all = size.x * size.y;
+        let whole = pieces.iter().all(|p| p.on_border) && (area - all).abs() <= WHOLE_AREA * all;
+        if !whole && (pieces.iter().all(|p| p.on_border) || area <= NO_AREA * all) {
+            return Err(SceneError::NoMaterial { face: index });
+        }
         let ends = [0, 1].map(|axis| frame.ends(axis));
         Ok(Some(Self { domain: frame.domain, loops, pieces, area, whole, ends, repairs }))
     }
@@ -215,35 +266,57 @@ impl Region {
     }
 }
 
+/// Whether what is left of the loops still says where material is.
+fn check_dropped(index: usize, face: &Face, repairs: &Repairs) -> Result<(), SceneError> {
+    let is_left = |i: &usize| !repairs.dropped.contains(i);
+    let is_outer = |i: &usize| face.loops[*i].outer;
+    let all = || 0..face.loops.len();
+    let lost = repairs.dropped.iter().copied().find(is_outer).filter(|_| !all().any(|i| is_left(&i) && is_outer(&i)));
+    let none = repairs.dropped.first().copied().filter(|_| !all().any(|i| is_left(&i)));
+    lost.or(none).map_or(Ok(()), |boundary| Err(SceneError::EmptyLoop { face: index, boundary }))
+}
+
 /// What all steps need to know of the face: its number, surface and tolerances.
 struct Frame<'a> {
     face: usize,
     surface: &'a Surface,
     domain: Rectangle,
-    /// The greatest gap that is healed, model units.
+    /// The greatest gap that is healed without a word, model units.
     tolerance: f64,
+    /// Whether a joint whose vertex has no tolerance may be wider than that.
+    is_lenient: bool,
     /// [`ON_BORDER`] in parameters.
     on_border: DVec2,
+    /// Whether the surface's two borders across u, and those across v, are one curve in space.
+    closed: [bool; 2],
 }
 
 impl<'a> Frame<'a> {
-    fn new(face: usize, source: &Face, surface: &'a Surface) -> Self {
+    /// `extent` is the greatest distance of the model's control points from the origin.
+    fn new(face: usize, source: &Face, surface: &'a Surface, extent: f64) -> Self {
         let [[u0, u1], [v0, v1]] = surface.domain();
         let domain = Rectangle { min: DVec2::new(u0, v0), max: DVec2::new(u1, v1) };
-        let tolerance = source.tolerance.max(GAP_FLOOR * surface.hull().diagonal());
-        Self { face, surface, domain, tolerance, on_border: ON_BORDER * domain.size() }
+        let diagonal = surface.hull().diagonal();
+        // A face far from the origin, or small in its model, keeps its features.
+        let usual = (GAP_FLOOR * extent).min(SMALL * diagonal).max(GAP_FLOOR * diagonal);
+        let tolerance = source.tolerance.max(usual);
+        let is_lenient = 0.0 < source.tolerance;
+        let on_border = ON_BORDER * domain.size();
+        let mut frame = Self { face, surface, domain, tolerance, is_lenient, on_border, closed: [false; 2] };
+        frame.closed = [0, 1].map(|axis| frame.is_closed_across(axis));
+        frame
     }
 
-    /// Whether the surface's two borders across `axis` (0 = u, 1 = v) are one curve in space, to the tolerance.
-    fn is_closed(&self, axis: usize) -> bool {
+    /// Whether the surface's two borders across `axis` (0 = u, 1 = v) are one curve in space: to the tolerance, and to
+    /// a [`SMALL`] share of the way from the one to the other, however large that tolerance.
+    fn is_closed_across(&self, axis: usize) -> bool {
         const SAMPLES: usize = 16;
-        let along = if axis == 0 { Direction::V } else { Direction::U };
-        let (start, end) = self.surface.knots(along).domain();
         (0..=SAMPLES).all(|i| {
-            let t = start + (end - start) * i as f64 / SAMPLES as f64;
-            let at =
-                |across: f64| if axis == 0 { self.surface.point(across, t) } else { self.surface.point(t, across) };
-            at(self.domain.min[axis]).distance(at(self.domain.max[axis])) <= self.tolerance
+            let (mut low, mut high) = (self.domain.min, self.domain.max);
+            let t = low[1 - axis] + (high[1 - axis] - low[1 - axis]) * i as f64 / SAMPLES as f64;
+            (low[1 - axis], high[1 - axis]) = (t, t);
+            let gap = self.surface.point(low.x, low.y).distance(self.surface.point(high.x, high.y));
+            gap <= self.tolerance && gap <= SMALL * self.distance(low, high)
         })
     }
 
@@ -255,23 +328,34 @@ impl<'a> Frame<'a> {
     /// Whether the surface ends at its two sides across `axis`: it is not closed, and they are no points.
     fn ends(&self, axis: usize) -> [bool; 2] {
         let Rectangle { min, max } = self.domain;
+        let most = self.tolerance.min(SMALL * self.surface.hull().diagonal());
         let is_point = |at: f64| {
             let (mut a, mut b) = (min, max);
             (a[axis], b[axis]) = (at, at);
-            self.distance(a, b) <= self.tolerance
+            self.distance(a, b) <= most
         };
-        let closed = self.is_closed(axis);
-        [min, max].map(|side| !closed && !is_point(side[axis]))
+        [min, max].map(|side| !self.closed[axis] && !is_point(side[axis]))
     }
 
     /// The length in space of the straight segment from `a` to `b` in parameters, by chords.
     fn distance(&self, a: DVec2, b: DVec2) -> f64 {
         const CHORDS: usize = 8;
         let point = |i: usize| {
-            let uv = a + (b - a) * (i as f64 / CHORDS as f64);
+            let uv = self.wrapped(a + (b - a) * (i as f64 / CHORDS as f64));
             self.surface.point(uv.x, uv.y)
         };
         (0..CHORDS).map(|i| point(i).distance(point(i + 1))).sum()
+    }
+
+    /// The point moved by whole periods into the domain, in the directions in which the surface is closed.
+    fn wrapped(&self, mut uv: DVec2) -> DVec2 {
+        let Rectangle { min, max } = self.domain;
+        for axis in [0, 1] {
+            if self.closed[axis] && !(min[axis] <= uv[axis] && uv[axis] <= max[axis]) {
+                uv[axis] = min[axis] + (uv[axis] - min[axis]).rem_euclid(max[axis] - min[axis]);
+            }
+        }
+        uv
     }
 
     /// The natural boundary, counter-clockwise.

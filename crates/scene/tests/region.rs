@@ -48,7 +48,7 @@ fn trim(degree: usize, points: Vec<DVec2>, weights: Option<Vec<f64>>) -> Trim {
     let spans = (points.len() - 1) / degree;
     let breaks: Vec<f64> = (0..=spans).map(|i| i as f64).collect();
     let knots = knots(degree, &breaks);
-    Trim { knots, points, weights, reversed: false, seam: false, degenerate: false, edge: None }
+    Trim::new(knots, points, weights)
 }
 
 fn path(points: &[(f64, f64)]) -> Vec<Trim> {
@@ -79,7 +79,7 @@ fn backwards(mut boundary: Loop) -> Loop {
 
 fn build(surface: &Surface, loops: Vec<Loop>) -> Result<Region, SceneError> {
     let face = Face { loops, ..Face::whole(0) };
-    let region = Region::new(7, &face, surface)?.expect("the face has loops");
+    let region = Region::new(7, &face, surface, 0.0)?.expect("the face has loops");
     assert_watertight(&region);
     Ok(region)
 }
@@ -121,7 +121,7 @@ fn material(region: &Region, u: f64, v: f64) -> bool {
 
 #[test]
 fn a_face_without_loops_has_no_region() {
-    assert_eq!(Region::new(0, &Face::whole(0), &plane(1.0)), Ok(None));
+    assert_eq!(Region::new(0, &Face::whole(0), &plane(1.0), 0.0), Ok(None));
 }
 
 #[test]
@@ -340,7 +340,7 @@ fn small_gaps_are_healed_and_the_largest_is_told() {
     );
     assert!(error.to_string().starts_with("face 7, loop 0: 1.003"), "{error}");
     let face = Face { tolerance: 1e-3, loops: vec![boundary], ..Face::whole(0) };
-    assert!(Region::new(0, &face, &plane(10.0)).is_ok());
+    assert!(Region::new(0, &face, &plane(10.0), 0.0).is_ok());
 }
 
 #[test]
@@ -393,6 +393,217 @@ fn loops_whose_flag_and_direction_both_contradict_their_place_are_refused() {
     let two_outer = vec![square(true, 1.0, 9.0), square(true, 2.0, 3.0)];
     let expected = SceneError::Nesting { face: 7, boundary: 1, depth: 1, outer: true };
     assert_eq!(build(&plane(10.0), two_outer), Err(expected));
+}
+
+/// As [`build`], for a face with a tolerance in a model with coordinates up to `extent`.
+fn build_to(surface: &Surface, tolerance: f64, extent: f64, loops: Vec<Loop>) -> Result<Region, SceneError> {
+    let region = Region::new(7, &Face { tolerance, loops, ..Face::whole(0) }, surface, extent)?.expect("loops");
+    assert_watertight(&region);
+    Ok(region)
+}
+
+fn rectangle(outer: bool, low: (f64, f64), high: (f64, f64)) -> Loop {
+    polygon(outer, &[low, (high.0, low.1), high, (low.0, high.1)])
+}
+
+#[test]
+fn a_hole_may_share_any_sides_with_its_parent() {
+    for shared in 0..15 {
+        let side = |k: usize, inner: f64, outer: f64| if shared >> k & 1 == 1 { outer } else { inner };
+        let (low, high) = ((side(0, 3.0, 1.0), side(1, 4.0, 1.0)), (side(2, 7.0, 9.0), side(3, 6.0, 9.0)));
+        let hole = rectangle(false, low, high);
+        let area = 64.0 - (high.0 - low.0) * (high.1 - low.1);
+        for variant in 0..4 {
+            let hole = if variant & 1 == 0 { hole.clone() } else { backwards(hole.clone()) };
+            let mut loops = vec![square(true, 1.0, 9.0), hole];
+            if variant & 2 != 0 {
+                loops.reverse();
+            }
+            let region = build(&plane(10.0), loops).unwrap_or_else(|error| panic!("{shared:04b}, {variant}: {error}"));
+            assert!((region.area() - area).abs() < 1e-11, "{shared:04b}: {} {area}", region.area());
+            let inside = (low.0 + 0.31 * (high.0 - low.0), low.1 + 0.37 * (high.1 - low.1));
+            assert!(!material(&region, inside.0, inside.1), "{shared:04b}");
+        }
+    }
+    let all = vec![square(true, 1.0, 9.0), backwards(square(false, 1.0, 9.0))];
+    assert_eq!(build(&plane(10.0), all), Err(SceneError::NoMaterial { face: 7 }));
+}
+
+/// A slice of a disc: from its centre along u, a quarter of the circle in two halves, and back.
+fn slice(outer: bool, center: (f64, f64), radius: f64) -> Loop {
+    let center = DVec2::from(center);
+    let at = |angle: f64| center + radius * DVec2::new(angle.cos(), angle.sin());
+    let arc = |from: f64, to: f64| {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let corner = center + (at(middle) - center) / half.cos();
+        trim(2, vec![at(from), corner, at(to)], Some(vec![1.0, half.cos(), 1.0]))
+    };
+    let line = |a: DVec2, b: DVec2| trim(1, vec![a, b], None);
+    let trims = vec![line(center, at(0.0)), arc(0.0, 0.6), arc(0.6, PI / 2.0), line(at(PI / 2.0), center)];
+    Loop { outer, trims }
+}
+
+#[test]
+fn a_hole_may_share_a_curved_side_with_its_parent_however_it_is_written() {
+    for offset in [0.0, 1e-12, 3e-9, -3e-9] {
+        let radius = 3.0 + offset;
+        for turned in [false, true] {
+            let hole = slice(false, (4.0, 5.0), radius);
+            let hole = if turned { backwards(hole) } else { hole };
+            let region = build(&plane(10.0), vec![circle(true, (4.0, 5.0), 3.0), hole]).unwrap();
+            assert!((region.area() - 9.0 * PI * 0.75).abs() < 1e-7, "{offset:e}: {}", region.area());
+            assert!(!material(&region, 5.5, 6.5) && material(&region, 2.5, 6.5) && material(&region, 5.5, 3.5));
+        }
+    }
+    // Two millionths of the domain are more than its tolerance.
+    let proud = vec![circle(true, (4.0, 5.0), 3.0), slice(false, (4.0, 5.0), 3.0 + 1e-4)];
+    assert!(matches!(build(&plane(10.0), proud), Err(SceneError::TrimsCross { .. })));
+}
+
+/// A square of side 0.01 whose trims pass their joints by `over`.
+fn overshooting(over: f64) -> Loop {
+    let corners = [(0.001, 0.001), (0.009, 0.001), (0.009, 0.009), (0.001, 0.009)].map(DVec2::from);
+    let line = |i: usize| {
+        let (a, b) = (corners[i], corners[(i + 1) % 4]);
+        let along = (b - a).normalize() * over;
+        trim(1, vec![a - along, b + along], None)
+    };
+    Loop { outer: true, trims: (0..4).map(line).collect() }
+}
+
+#[test]
+fn trims_may_overshoot_their_joint_by_the_tolerance_but_not_by_more() {
+    let surface = plane(0.01);
+    let region = build_to(&surface, 1e-7, 0.0, vec![overshooting(6e-8)]).unwrap();
+    assert!((region.area() - 6.4e-5).abs() < 1e-11, "{}", region.area());
+    let error = build_to(&surface, 1e-7, 0.0, vec![overshooting(5e-5)]).unwrap_err();
+    assert!(matches!(error, SceneError::TrimGap { trim: 1, .. }), "{error}");
+    let mut wide = overshooting(5e-5);
+    wide.trims.iter_mut().for_each(|t| t.edge_tolerance = 1e-4);
+    assert!(build_to(&surface, 1e-7, 0.0, vec![wide]).is_ok());
+    // A tolerance as large as the face explains no crossing that is seen.
+    let bow_tie = polygon(true, &[(0.001, 0.001), (0.009, 0.008), (0.009, 0.001), (0.001, 0.009)]);
+    assert!(matches!(build_to(&surface, 1.0, 0.0, vec![bow_tie]), Err(SceneError::TrimsCross { .. })));
+}
+
+#[test]
+fn gaps_are_healed_by_the_tolerances_of_edges_and_vertices_and_of_large_models() {
+    let gap = 1e-4;
+    let mut boundary = square(true, 1.0, 9.0);
+    boundary.trims[2].points[0].x -= gap;
+    let with = |edge: f64, vertex: Option<f64>, extent: f64| {
+        let mut boundary = boundary.clone();
+        boundary.trims[2].edge_tolerance = edge;
+        boundary.trims[2].vertex_tolerance = vertex;
+        build_to(&plane(10.0), 1e-7, extent, vec![boundary]).map(|region| region.repairs().wide_gaps.clone())
+    };
+    assert_eq!(with(1.1 * gap, None, 0.0), Ok(vec![]));
+    assert_eq!(with(0.0, Some(0.51 * gap), 0.0), Ok(vec![]));
+    assert_eq!(with(0.0, None, 1e4), Ok(vec![]));
+    let refused = with(0.0, Some(0.49 * gap), 0.0).unwrap_err();
+    assert!(matches!(refused, SceneError::TrimGap { face: 7, boundary: 0, trim: 2, .. }), "{refused}");
+    // A modeller's face whose vertices' tolerances are lost: closed, and noted.
+    let noted = with(0.0, None, 0.0).unwrap();
+    assert!(noted.len() == 1 && noted[0].trim == 2 && (noted[0].gap - gap).abs() < 1e-9, "{noted:?}");
+    // Nothing closes a gap that a picture shows.
+    boundary.trims[2].points[0].x -= 0.03;
+    let error = build_to(&plane(10.0), 1e-7, 0.0, vec![boundary]).unwrap_err();
+    assert!(matches!(error, SceneError::TrimGap { trim: 2, .. }), "{error}");
+}
+
+#[test]
+fn loops_that_cross_just_in_their_corners_cross() {
+    let hole = polygon(false, &[(8.0, 3.0), (8.0, 5.0), (9.0, 5.0), (9.5, 4.0), (9.0, 3.0)]);
+    let error = build(&plane(10.0), vec![square(true, 1.0, 9.0), hole]).unwrap_err();
+    let SceneError::TrimsCross { at, .. } = error else { panic!("{error}") };
+    let is_near = |corner: (f64, f64)| DVec2::from(at).distance(DVec2::from(corner)) < 1e-9;
+    assert!(is_near((9.0, 3.0)) || is_near((9.0, 5.0)), "{at:?}");
+    // The same corners from within: they touch.
+    let hole = polygon(false, &[(8.0, 3.0), (8.0, 5.0), (9.0, 5.0), (8.5, 4.0), (9.0, 3.0)]);
+    assert!((build(&plane(10.0), vec![square(true, 1.0, 9.0), hole]).unwrap().area() - 62.5).abs() < 1e-11);
+}
+
+#[test]
+fn loops_that_cross_outside_the_domain_are_refused_with_the_place() {
+    let bow_tie = polygon(true, &[(5.0, 2.0), (12.0, 2.0), (14.0, 8.0), (14.0, 2.0), (12.0, 8.0), (5.0, 8.0)]);
+    let error = build(&plane(10.0), vec![bow_tie]).unwrap_err();
+    let SceneError::TrimsCross { at, .. } = error else { panic!("{error}") };
+    assert!(DVec2::from(at).distance(DVec2::new(13.0, 5.0)) < 1e-5, "{at:?}");
+    let hole = polygon(false, &[(11.0, 4.0), (13.0, 4.0), (13.0, 5.0), (11.0, 5.0)]);
+    let error = build(&plane(10.0), vec![rectangle(true, (5.0, 2.0), (12.0, 8.0)), hole]).unwrap_err();
+    assert!(matches!(error, SceneError::TrimsCross { at: [12.0, _], .. }), "{error}");
+}
+
+#[test]
+fn a_loop_without_place_in_the_domain_leaves_no_material() {
+    let outside = vec![square(true, 12.0, 13.0)];
+    assert_eq!(build(&plane(10.0), outside), Err(SceneError::NoMaterial { face: 7 }));
+}
+
+#[test]
+fn a_loop_that_encloses_nothing_is_dropped_and_the_others_count() {
+    let slit = polygon(false, &[(3.0, 3.0), (6.0, 5.0)]);
+    let point = Loop { outer: false, trims: path(&[(4.0, 4.0), (4.0, 4.0)]) };
+    let region = build(&plane(10.0), vec![slit.clone(), square(true, 1.0, 9.0), point]).unwrap();
+    assert_eq!((region.area(), region.loops().len()), (64.0, 1));
+    let mut dropped = region.repairs().dropped.clone();
+    dropped.sort_unstable();
+    assert_eq!(dropped, [0, 2]);
+    // Without its outer loop nobody knows what the hole is in.
+    let flat = Loop { outer: true, ..slit };
+    let hole = backwards(square(false, 1.0, 9.0));
+    assert_eq!(build(&plane(10.0), vec![flat, hole]), Err(SceneError::EmptyLoop { face: 7, boundary: 0 }));
+}
+
+#[test]
+fn no_tolerance_closes_a_surface_that_is_open_nor_a_ring_that_goes_around() {
+    for tolerance in [1e-3, 1.0, 10.0, 1e9] {
+        let notch = rectangle(true, (5.0, 2.0), (13.0, 8.0));
+        let region = build_to(&plane(10.0), tolerance, 0.0, vec![notch]).unwrap();
+        assert!((region.area() - 30.0).abs() < 1e-9 && region.loops().len() == 1, "{tolerance}: {}", region.area());
+        assert!(region.ends_at(0, 0) && region.ends_at(1, 1));
+        let huge = rectangle(true, (-1e9, -1e9), (1e9, 1e9));
+        assert!(build_to(&plane(10.0), tolerance, 0.0, vec![huge]).unwrap().is_whole());
+        let rings = vec![ring(0.0, 0.2, true), ring(0.0, 0.7, false)];
+        assert!((build_to(&cylinder(), tolerance, 0.0, rings).unwrap().area() - 2.0).abs() < 1e-9, "{tolerance}");
+    }
+}
+
+#[test]
+fn an_odd_number_of_rings_on_a_torus_bounds_nothing() {
+    let at = |v: f64, forward: bool| ring(0.5, v, forward);
+    let odd = SceneError::OddRings { face: 7, boundaries: vec![0] };
+    assert_eq!(build(&torus(), vec![at(0.5, true)]), Err(odd));
+    let three = vec![at(0.5, true), at(1.5, false), at(2.5, true)];
+    assert!(matches!(build(&torus(), three), Err(SceneError::OddRings { .. })));
+}
+
+#[test]
+fn loops_repeated_by_the_period_are_counted_before_and_must_not_overlap() {
+    let wide = |reach: f64| rectangle(true, (-reach, 0.2), (reach, 0.8));
+    let error = build(&cylinder(), vec![wide(4e5)]).unwrap_err();
+    assert_eq!(error, SceneError::LoopReach { face: 7, boundary: 0, copies: 2e5, limit: 64 });
+    let error = build(&cylinder(), vec![wide(6.0)]).unwrap_err();
+    assert!(matches!(error, SceneError::LoopOverlap { face: 7, boundary: 0, .. }), "{error}");
+    // A spiral of two turns that leaves room between them.
+    let spiral = polygon(true, &[(0.0, 0.1), (8.0, 1.1), (8.0, 1.3), (0.0, 0.3)].map(|(u, v)| (u, 0.5 * v)));
+    let region = build(&cylinder(), vec![spiral]).unwrap();
+    assert!((region.area() - 0.8).abs() < 1e-12, "{}", region.area());
+}
+
+#[test]
+fn hundreds_of_loops_that_coincide_take_no_time_by_the_square() {
+    let start = std::time::Instant::now();
+    for exact in [true, false] {
+        let radius = |i: usize| if exact { 3.0 } else { 3.0 + 1e-9 * i as f64 };
+        let loops = (0..100).map(|i| circle(i == 0, (5.0, 5.0), radius(i))).collect();
+        assert!(build(&plane(10.0), loops).is_err());
+    }
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+    // A plate with a thousand holes is no such thing.
+    let hole = |i: usize| backwards(circle(false, (0.15 + 0.3 * (i % 32) as f64, 0.15 + 0.3 * (i / 32) as f64), 0.1));
+    let region = build(&plane(10.0), [square(true, 0.0, 10.0)].into_iter().chain((0..1000).map(hole)).collect());
+    assert!((region.unwrap().area() - (100.0 - 10.0 * PI)).abs() < 1e-9);
 }
 
 #[test]

@@ -50,7 +50,7 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "u and v exchanged alone",
-        change: |p| p.with(Hit { uv: p.exchanged(), ..p.hit }).filter(|_| p.is_off_diagonal()),
+        change: |p| p.with(Hit { uv: p.exchanged(), local: None, ..p.hit }).filter(|_| p.is_off_diagonal()),
         scenes: &[Scene::Bicubic, Scene::Wave],
         cause: Cause::Parameters,
     },
@@ -198,7 +198,7 @@ impl Pixel<'_> {
         // Where the picture is the same, as at a pole, nothing is at fault.
         let is_beside = seen.distance(DVec2::new(x, y)) > 1.0;
         let curvature = point.curvature.map(|k| PrincipalCurvatures { k1: k.k1, k2: k.k2 });
-        is_beside.then_some(Some(Hit { uv, position, normal: point.normal, curvature, ..self.hit }))
+        is_beside.then_some(Some(Hit { uv, local: None, position, normal: point.normal, curvature, ..self.hit }))
     }
 
     fn moved(&self, length: f64) -> Option<Option<Hit>> {

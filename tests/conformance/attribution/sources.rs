@@ -38,43 +38,38 @@ const FAULTS: &[Fault] = &[
         name: "a transposed control net",
         replace: &[
             (
-                "face.points + (span_u - p + i) * face.count_v + span_v - q;",
-                "face.points + span_u - p + i + (span_v - q) * face.count_u;",
+                "face.points + (first.x + i) * face.count_v + first.y;",
+                "face.points + first.x + i + first.y * face.count_v;",
             ),
-            ("points[first + j]", "points[first + j * face.count_u]"),
+            ("points[start + j]", "points[start + j * face.count_v]"),
         ],
         scenes: &[Scene::Bicubic, Scene::Wave],
         cause: Cause::ControlNet,
     },
     Fault {
         name: "span off by one",
-        replace: &[("return low;", "return low + 1u;")],
+        replace: &[("p, at.span.x);", "p, min(at.span.x + 1u, face.spans_u - 1u));")],
         scenes: &[Scene::ManySpans],
         cause: Cause::Span,
     },
     Fault {
         name: "span one too early",
-        replace: &[("return low;", "return low - 1u;")],
+        replace: &[("q, at.span.y);", "q, max(at.span.y, 1u) - 1u);")],
         scenes: &[Scene::ManySpans],
         cause: Cause::Span,
     },
     Fault {
-        name: "wrong end-knot case",
-        replace: &[("return last;", "return last + 1u;")],
-        scenes: &[Scene::EdgeOnCentres],
-        cause: Cause::Span,
-    },
-    Fault {
         name: "swapped u and v",
-        replace: &[("let f = fragment(in.face, in.uv);", "let f = fragment(in.face, in.uv.yx);")],
-        scenes: &[Scene::Bicubic, Scene::ManySpans, Scene::Rational],
+        replace: &[("Parameters(in.span, in.uv);", "Parameters(in.span.yx, in.uv.yx);")],
+        // Where there are as many spans along v as along u.
+        scenes: &[Scene::Bicubic, Scene::Rational],
         cause: Cause::Parameters,
     },
     Fault {
         name: "swapped u and v in the evaluation alone",
         replace: &[
-            ("basis(face.knots_u, p, span_u, uv.x,", "basis(face.knots_u, p, span_u, uv.y,"),
-            ("basis(face.knots_v, q, span_v, uv.y,", "basis(face.knots_v, q, span_v, uv.x,"),
+            ("basis(span_u.knots, p, at.uv.x,", "basis(span_u.knots, p, at.uv.y,"),
+            ("basis(span_v.knots, q, at.uv.y,", "basis(span_v.knots, q, at.uv.x,"),
         ],
         scenes: &[Scene::Bicubic],
         cause: Cause::Parameters,
@@ -128,8 +123,8 @@ const FAULTS: &[Fault] = &[
         cause: Cause::Interpolation,
     },
     Fault {
-        name: "parameters interpolated to eight bits",
-        replace: &[("let f = fragment(in.face, in.uv);", "let f = fragment(in.face, floor(in.uv * 64.0) / 64.0);")],
+        name: "parameters interpolated to three bits",
+        replace: &[("Parameters(in.span, in.uv);", "Parameters(in.span, floor(in.uv * 8.0) / 8.0);")],
         scenes: SURFACES,
         cause: Cause::Interpolation,
     },
@@ -160,15 +155,15 @@ const FAULTS: &[Fault] = &[
     Fault {
         name: "fragments of some faces thrown away",
         replace: &[(
-            "let f = fragment(in.face, in.uv);",
-            "if (in.face % 3u == 0u) { discard; } let f = fragment(in.face, in.uv);",
+            "let f = fragment(in.face, given);",
+            "if (in.face % 3u == 0u) { discard; } let f = fragment(in.face, given);",
         )],
         scenes: &[Scene::Rational, Scene::Wave],
         cause: Cause::Coverage,
     },
     Fault {
         name: "the root of a negative number",
-        replace: &[("out.position = d.s;", "out.position = d.s * sqrt(-1.0 - uv.x * uv.x);")],
+        replace: &[("out.position = d.s;", "out.position = d.s * sqrt(-1.0 - at.uv.x * at.uv.x);")],
         scenes: SURFACES,
         cause: Cause::NotFinite,
     },
@@ -221,7 +216,7 @@ const FAULTS: &[Fault] = &[
         name: "a trim decided where the triangle is, not where the ray is",
         replace: &[(
             "is_shown(faces[in.face], at)",
-            "is_shown(faces[in.face], Footprint(in.uv, at.right, at.up, at.near_px, 0.0))",
+            "is_shown(faces[in.face], Footprint(f.whole, at.right, at.up, at.near_px, 0.0))",
         )],
         scenes: TRIMMED,
         cause: Cause::Trim,

@@ -12,7 +12,7 @@ use xtask::stage::{Plan, Stage};
 
 fn model(name: &str) -> Model {
     let path = field(name).to_str().expect("UTF-8").to_owned();
-    xtask::view::ModelArgs { model: path }.open().expect("a model")
+    xtask::view::ModelArgs::named(&path).open().expect("a model")
 }
 
 fn viewport() -> Viewport {

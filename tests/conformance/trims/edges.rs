@@ -4,8 +4,8 @@ use compare::{Cause, PairReport, Verdict};
 use gbuffer::{EDGE_REACH_PX, GBuffer, Hit, Meta, Picture};
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, Surface};
-use pipeline::Technique;
 use pipeline::edge::{edge, packed, unpacked};
+use pipeline::{Parameters, Technique};
 use raycast::Caster;
 use scene::{Camera, Face, FaceId, Loop, Model, Projection, Trim, Viewport};
 use xtask::stage::{Plan, Stage};
@@ -26,7 +26,7 @@ fn plan(technique: Technique) -> Plan {
 fn bezier(points: &[DVec2], weights: Option<Vec<f64>>) -> Trim {
     let p = points.len() - 1;
     let knots = KnotVector::new(p, [vec![0.0; p + 1], vec![1.0; p + 1]].concat()).expect("legal");
-    Trim { knots, points: points.to_vec(), weights, reversed: false, seam: false, degenerate: false, edge: None }
+    Trim::new(knots, points.to_vec(), weights)
 }
 
 fn polygon(corners: &[DVec2]) -> Vec<Trim> {
@@ -188,7 +188,8 @@ fn the_program_in_wgsl_records_the_edge_of_the_program_in_rust() {
             for (i, fragment) in fragments.iter().enumerate().filter_map(|(i, f)| Some((i, f.as_ref()?))) {
                 let view = &stage.views[fragment.face as usize];
                 let at = [(i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5];
-                let expected = edge(&stage.scene, view, fragment.face, fragment.uv, at);
+                let whole = stage.scene.whole(fragment.face, Parameters { span: fragment.span, uv: fragment.uv });
+                let expected = edge(&stage.scene, view, fragment.face, whole, at);
                 let expected = unpacked(packed(expected)).1;
                 recorded += usize::from(expected.is_some());
                 // An adapter may fuse and round otherwise, and find the foot on the next chord; a slip shows by more.

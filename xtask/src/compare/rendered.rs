@@ -10,6 +10,7 @@ use anyhow::Result;
 use compare::{PairReport, Verdict};
 use gbuffer::{GBuffer, Meta, Shading};
 use raycast::Caster;
+use scene::Note;
 use serde::Serialize;
 use std::process::ExitCode;
 
@@ -17,6 +18,8 @@ use std::process::ExitCode;
 #[derive(Serialize)]
 pub(super) struct Report<'a> {
     pub model: &'a str,
+    /// What of its file is not drawn as it stands there.
+    pub notes: Vec<String>,
     pub technique: &'static str,
     pub size: [usize; 2],
     pub adapter: Option<String>,
@@ -70,6 +73,7 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
     let meta = gpu.as_ref().ok().and_then(|metas| metas.first());
     let report = Report {
         model: model.name(),
+        notes: model.notes().iter().map(Note::to_string).collect(),
         technique: stage.plan.technique.name(),
         size: [viewport.width(), viewport.height()],
         adapter: meta.and_then(|m| m.adapter.clone()),

@@ -159,7 +159,7 @@ impl SavedFile {
         let meta = self.buffer.meta();
         let deviation = match (meta.technique.as_str(), twins.filter(|_| self.origin == Origin::Twin)) {
             ("fragment", _) if plan.technique == Technique::Exact => Deviation::exact(),
-            ("fragment", Some(stage)) => Deviation::of_proxy(&stage.interpolation, &stage.chord(), plan.chord_px),
+            ("fragment", Some(stage)) => Deviation::of_proxy(&stage.interpolation, &stage.proxy.chord, plan.chord_px),
             ("fragment", None) => Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px),
             ("exact" | "rays", _) => Deviation::exact(),
             (other, _) => bail!("{}: meta's technique {other:?} is none of fragment, exact, rays", self.place()),
@@ -177,7 +177,7 @@ impl SavedFile {
 fn shown(path: &Path, meta: &Meta, named: Option<&str>) -> Result<Model> {
     let place = path.display();
     let model = match named {
-        Some(name) => ModelArgs { model: name.to_owned() }.open()?,
+        Some(name) => ModelArgs::named(name).open()?,
         None => formats::builtin(&meta.model).with_context(|| {
             format!("{place}: its model {:?} is no built-in one; name its file by --model", meta.model)
         })?,

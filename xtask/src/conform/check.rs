@@ -4,6 +4,7 @@
 use super::corpus::{CaseKey, Corpus, PlannedCase};
 use super::report::{Case, Outcome, Pair, Report, Subject};
 use super::run::CPU;
+use super::wrong::Vacuity;
 use anyhow::{Context, Result, bail, ensure};
 use compare::{Cause, Counts, UNANSWERED_SHARE, Verdict};
 use pipeline::Technique;
@@ -87,6 +88,7 @@ fn check_outcome(
     unbounded_share: f64,
 ) -> Result<()> {
     check_picture(&outcome.picture)?;
+    outcome.wrong.as_ref().map_or(Ok(()), check_wrong)?;
     let expected: &[[&str; 2]] = match subject.kind.as_str() {
         "cpu" => &[["raycast", "raster"]],
         _ => &[["raycast", "gpu"], ["raster", "gpu"]],
@@ -120,31 +122,39 @@ fn check_pair(pair: &Pair, pixels: usize, technique: &str, unbounded_share: f64)
     ] {
         ensure!(count <= most, "{count} pixels are {what}, of {most}");
     }
-    let undecided = pair.causes.get(Cause::Undecided.label()).copied().unwrap_or(0);
-    let unconverged = pair.causes.get(Cause::NewtonNotConverged.label()).copied().unwrap_or(0);
-    ensure!(pair.unanswered <= unconverged, "{} pixels have no answer, of {unconverged}", pair.unanswered);
+    let of = |cause: Cause| pair.causes.get(cause.label()).copied().unwrap_or(0);
+    let undecided = of(Cause::Undecided);
+    let unanswered = pair.unanswered;
+    ensure!(unanswered <= of(Cause::NewtonNotConverged), "{unanswered} pixels have no answer, by causes fewer");
     let counted = sum(&mut pair.causes.values().copied());
-    let differing = counted.saturating_sub(undecided).saturating_sub(pair.unanswered);
+    ensure!(counted <= pixels, "{counted} pixels differ or are undecided, of {pixels}");
+    let differing = counted - undecided - unanswered;
     ensure!(differing == pair.differing, "{} pixels differ, by causes {differing}", pair.differing);
+    ensure!(pair.worst.len() <= counted, "{} pixels are listed, of {counted}", pair.worst.len());
     let reasons = sum(&mut pair.unbounded_causes.values().copied());
     ensure!(reasons == pair.unbounded, "{} pixels have no bound, by reasons {reasons}", pair.unbounded);
-    ensure!(counted <= pixels, "{counted} pixels differ or are undecided, of {pixels}");
-    ensure!(pair.worst.len() <= counted, "{} pixels are listed, of {counted}", pair.worst.len());
+    let counts = Counts { covered: pair.covered, differing, undecided, unanswered, unbounded: pair.unbounded };
+    // Only a search for roots may be without an answer here and there.
+    let unanswered_share = if technique == Technique::Exact.name() { UNANSWERED_SHARE } else { 0.0 };
+    let (verdict, why) = counts.verdict(unanswered_share, unbounded_share);
     if pair.agree {
-        let Pair { covered, unanswered, unbounded, .. } = *pair;
-        let counts = Counts { covered, differing, undecided, unanswered, unbounded };
-        // Only a search for roots may be without an answer here and there.
-        let unanswered_share = if technique == Technique::Exact.name() { UNANSWERED_SHARE } else { 0.0 };
-        let (verdict, why) = counts.verdict(unanswered_share, unbounded_share);
         let why = why.unwrap_or_else(|| format!("{differing} pixels differ"));
-        ensure!(verdict == Verdict::Agree, "it says that all agree, and by its counts: {why}");
+        ensure!(verdict == Verdict::Agree, "it says that all agree, and {why}");
         ensure!(pair.reasons.is_empty(), "it says that all agree, and why not: {}", pair.reasons.join(", "));
         if let [Some(off), Some(bound)] = pair.across_px {
             ensure!(off <= bound, "it says that all agree, and a point is {off} px off, of {bound}");
         }
     } else {
+        ensure!(verdict != Verdict::Agree, "it does not agree, and its counts do");
         ensure!(!pair.reasons.is_empty(), "it does not agree, for no reason");
     }
+    Ok(())
+}
+
+/// A wrong picture is caught or named, and of those named none is hidden.
+fn check_wrong(wrong: &Vacuity) -> Result<()> {
+    let (made, told) = (wrong.made, wrong.caught.saturating_add(wrong.missed.len()));
+    ensure!(made == told, "{made} pictures were made wrong, and {told} are told of");
     Ok(())
 }
 

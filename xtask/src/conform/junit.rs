@@ -2,6 +2,7 @@
 //! subject, a test case for each comparison.
 
 use super::report::{Case, Outcome, Pair, Report, Subject};
+use super::wrong::Vacuity;
 use crate::text::escaped;
 use anyhow::Result;
 use quick_xml::Writer;
@@ -98,6 +99,7 @@ fn test_cases(report: &Report, subject: &Subject) -> Vec<TestCase> {
             let seconds = if number == 0 { outcome.seconds } else { 0.0 };
             cases.push(of_pair(case, pair, seconds));
         }
+        cases.extend(outcome.wrong.as_ref().map(|wrong| of_wrong(case, wrong)));
         if let Some(error) = &outcome.error {
             cases.push(of_error(case, outcome, error));
         }
@@ -124,6 +126,21 @@ fn of_pair(case: &Case, pair: &Pair, seconds: f64) -> TestCase {
         Finding::Failed(pair.reasons.join(", "), body.join("\n"))
     };
     TestCase { name, class: class(&case.key.scene), seconds, outcome }
+}
+
+fn of_wrong(case: &Case, wrong: &Vacuity) -> TestCase {
+    let outcome = if wrong.missed.is_empty() {
+        Finding::Passed
+    } else {
+        let message = format!("{} of {} pictures made wrong do not differ", wrong.missed.len(), wrong.made);
+        Finding::Failed(message, wrong.missed.join("\n"))
+    };
+    TestCase {
+        name: format!("{}: pictures made wrong", case.key),
+        class: class(&case.key.scene),
+        seconds: 0.0,
+        outcome,
+    }
 }
 
 fn of_error(case: &Case, outcome: &Outcome, error: &str) -> TestCase {

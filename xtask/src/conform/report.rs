@@ -4,6 +4,7 @@
 //! stored: it follows from what was planned and what is there, so that a run that was killed says so by itself.
 
 use super::corpus::{CaseKey, SceneInfo, Shard, Suite};
+use super::wrong::Vacuity;
 use crate::output;
 use anyhow::{Context, Result, bail};
 use compare::{Histogram, PairReport, Verdict};
@@ -120,6 +121,9 @@ pub struct Outcome {
     pub seconds: f64,
     /// Its comparisons with the other renderers.
     pub pairs: Vec<Pair>,
+    /// What the judge makes of pictures made wrong of its own, where the suite tries that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wrong: Option<Vacuity>,
     /// Its picture as a `data:` URI, where pictures are kept.
     pub picture: Option<String>,
     /// Why it could not be judged.
@@ -300,9 +304,10 @@ impl Pair {
 }
 
 impl Outcome {
-    /// Whether it agrees.
+    /// Whether it agrees, and no picture made wrong of its own does.
     pub fn state(&self) -> State {
-        match (&self.error, self.pairs.iter().all(|pair| pair.agree)) {
+        let is_judged = self.wrong.as_ref().is_none_or(|wrong| wrong.missed.is_empty());
+        match (&self.error, is_judged && self.pairs.iter().all(|pair| pair.agree)) {
             (Some(_), _) => State::NotRun,
             (None, true) => State::Agree,
             (None, false) => State::Differ,

@@ -3,6 +3,7 @@
 use super::corpus::{Corpus, Scene, Shard, Suite, Viewpoint, command_options};
 use super::pictures::data_uri;
 use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
+use super::wrong::Vacuity;
 use crate::compare::pictures::difference;
 use crate::stage::{Plan, Stage};
 use crate::terminal;
@@ -10,6 +11,7 @@ use anyhow::{Context, Result};
 use compare::PairReport;
 use gbuffer::{GBuffer, ShadeKind, Shading};
 use gpu::GpuError;
+use pipeline::Scheme;
 use raycast::Caster;
 use scene::{Model, Viewport};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -179,7 +181,10 @@ impl Plans {
                 for (number, plan) in self.suite.plans(scene).into_iter().enumerate() {
                     bar.set_message(scene.name);
                     let pictured = number == 0 && viewpoint == scene.viewpoints[0];
-                    let case = Sitting { scene, model: &model, caster: &caster, raycast: &raycast, pictured };
+                    // The judge looks at values, not at the program that they come of.
+                    let tries_wrong = self.suite == Suite::Full && plan.scheme == Scheme::Specialised;
+                    let case =
+                        Sitting { scene, model: &model, caster: &caster, raycast: &raycast, pictured, tries_wrong };
                     case.judge(viewpoint, camera, plan, adapters, report);
                     bar.inc(1);
                     if stop.load(Ordering::Relaxed) {
@@ -201,6 +206,8 @@ struct Sitting<'a> {
     raycast: &'a GBuffer,
     /// Whether pictures are kept even where all agree.
     pictured: bool,
+    /// Whether pictures made wrong of the CPU rasterizer's are judged, too.
+    tries_wrong: bool,
 }
 
 impl Sitting<'_> {
@@ -230,7 +237,14 @@ impl Sitting<'_> {
                 case.triangles = stage.proxy.triangles();
                 let started = Instant::now();
                 let raster = stage.raster();
-                case.outcomes.push(self.outcome(&stage, &report.subjects[0].id, &raster, None, started));
+                let mut outcome = self.outcome(&stage, &report.subjects[0].id, &raster, None, started);
+                if self.tries_wrong {
+                    match Vacuity::of(&stage, self.caster, self.raycast, &raster) {
+                        Ok(found) => outcome.wrong = Some(found),
+                        Err(error) => outcome.error = Some(format!("{error:#}")),
+                    }
+                }
+                case.outcomes.push(outcome);
                 for adapter in adapters {
                     let id = adapter.subject().id;
                     let subject = report.subjects.iter_mut().find(|s| s.id == id).expect("adapters are subjects");
@@ -244,6 +258,7 @@ impl Sitting<'_> {
                             subject: id,
                             seconds: started.elapsed().as_secs_f64(),
                             pairs: vec![],
+                            wrong: None,
                             picture: None,
                             error: Some(why),
                         }),
@@ -276,8 +291,14 @@ impl Sitting<'_> {
             }
             Ok(pairs)
         };
-        let mut outcome =
-            Outcome { subject: subject.to_owned(), seconds: 0.0, pairs: vec![], picture: None, error: None };
+        let mut outcome = Outcome {
+            subject: subject.to_owned(),
+            seconds: 0.0,
+            pairs: vec![],
+            wrong: None,
+            picture: None,
+            error: None,
+        };
         match compared() {
             Err(error) => outcome.error = Some(format!("{error:#}")),
             Ok(pairs) => {

@@ -20,6 +20,8 @@ struct Row<'a> {
     differing: usize,
     unbounded: usize,
     undecided: usize,
+    /// Pictures made wrong: those that differ, and all.
+    wrong: [usize; 2],
     shares: [f64; 3],
 }
 
@@ -29,6 +31,10 @@ impl Row<'_> {
         self.agree += usize::from(outcome.state() == State::Agree);
         self.not_run += usize::from(outcome.state() == State::NotRun);
         self.undecided += undecided;
+        if let Some(wrong) = &outcome.wrong {
+            self.wrong[0] += wrong.caught;
+            self.wrong[1] += wrong.made;
+        }
         for pair in &outcome.pairs {
             self.covered += pair.covered;
             self.differing += pair.differing;
@@ -114,6 +120,7 @@ fn table(rows: &[Row]) -> Table {
         "differ",
         "undecided",
         "unbounded",
+        "wrong caught",
         "S / n / k, % of budget",
         "verdict",
     ]);
@@ -127,12 +134,13 @@ fn table(rows: &[Row]) -> Table {
         total.differing += row.differing;
         total.undecided += row.undecided;
         total.unbounded += row.unbounded;
+        total.wrong = [0, 1].map(|k| total.wrong[k] + row.wrong[k]);
         for (sum, share) in total.shares.iter_mut().zip(row.shares) {
             *sum = sum.max(share);
         }
     }
     table.add_row(cells(&total));
-    for column in 1..8 {
+    for column in 1..9 {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);
         }
@@ -146,6 +154,8 @@ fn cells(row: &Row) -> Vec<Cell> {
         (0, false) => ("DIFFER", Color::Red),
         _ => ("NOT RUN", Color::Yellow),
     };
+    let [caught, made] = row.wrong;
+    let caught = if made == 0 { "—".to_owned() } else { format!("{caught} of {made}") };
     let [s, n, k] = row.shares.map(|share| format!("{:.1}", 100.0 * share));
     vec![
         Cell::new(escaped(row.scene)),
@@ -155,6 +165,7 @@ fn cells(row: &Row) -> Vec<Cell> {
         Cell::new(row.differing),
         Cell::new(row.undecided),
         Cell::new(row.unbounded),
+        Cell::new(caught),
         Cell::new(format!("{s} / {n} / {k}")),
         Cell::new(word).fg(colour).add_attribute(Attribute::Bold),
     ]
@@ -166,6 +177,9 @@ fn differences(report: &Report, subject: &Subject) -> Vec<(String, String)> {
     for (case, outcome) in report.outcomes(&subject.id) {
         if let Some(error) = &outcome.error {
             found.push((case.key.to_string(), error.clone()));
+        }
+        for missed in outcome.wrong.iter().flat_map(|wrong| &wrong.missed) {
+            found.push((case.key.to_string(), format!("made wrong, and does not differ: {missed}")));
         }
         for pair in outcome.pairs.iter().filter(|pair| !pair.agree) {
             let pixel = pair.worst.first();

@@ -7,7 +7,7 @@ use compare::Verdict;
 use gbuffer::{GBuffer, Hit, Shading};
 use pipeline::fragment::{Fragment, fragment};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{Proxy, Technique};
+use pipeline::{Parameters, Proxy, Technique};
 use raycast::Caster;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -157,12 +157,17 @@ impl<'s> Trial<'s> {
     /// at the same parameters.
     fn wrong_record(&self, fragments: &[Option<Fragment>]) -> Option<String> {
         let scene = &self.stage.scene;
-        let drawn = || fragments.iter().flatten().filter(|f| f.uv.iter().all(|t| (0.0..=1.0).contains(t)));
-        let expected: Vec<Fragment> = drawn().map(|f| fragment(scene, f.face, f.uv, false)).collect();
+        let is_inside = |f: &Fragment| {
+            let face = scene.faces[f.face as usize];
+            f.uv.iter().all(|t| (0.0..=1.0).contains(t)) && f.span[0] < face.spans_u && f.span[1] < face.spans_v
+        };
+        let drawn = || fragments.iter().flatten().filter(|f| is_inside(f));
+        let place = |f: &Fragment| Parameters { span: f.span, uv: f.uv };
+        let expected: Vec<Fragment> = drawn().map(|f| fragment(scene, f.face, place(f), false)).collect();
         let fastest = expected.iter().flat_map(|f| f.speed).fold(0.0, f32::max);
         let is_near = |a: f32, b: f32| (a - b).abs() <= SPEED_SHARE * fastest;
-        let outside = fragments.iter().flatten().find(|f| !f.uv.iter().all(|t| (0.0..=1.0).contains(t)));
-        let outside = outside.map(|f| format!("(u, v) = {:?} is outside the domain", f.uv));
+        let outside = fragments.iter().flatten().find(|f| !is_inside(f));
+        let outside = outside.map(|f| format!("(u, v) = {:?} on spans {:?} is outside the domain", f.uv, f.span));
         outside.or_else(|| {
             let (f, e) = drawn().zip(&expected).find(|(f, e)| {
                 let speeds = is_near(f.speed[0], e.speed[0]) && is_near(f.speed[1], e.speed[1]);

@@ -4,8 +4,9 @@ use crate::setting::{AGREEING, DIFFERING, Losing, folder, gpu, run};
 use crate::xsd::Schema;
 use serde_json::{Value, json};
 use std::path::Path;
-use xtask::conform::report::Report;
-use xtask::conform::{html, junit};
+use xtask::conform::report::{Report, State};
+use xtask::conform::wrong::Vacuity;
+use xtask::conform::{html, junit, table};
 
 fn schema(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/schema").join(name)
@@ -47,6 +48,30 @@ fn junit_is_valid_and_counts_what_the_report_says() {
             _ => assert_eq!((failures, errors), (0, 2)),
         }
         assert!(text.contains(&format!("failures=\"{failures}\" errors=\"{errors}\"")), "{text}");
+    }
+}
+
+/// A wrong picture that agrees, and a scene of which nothing can be said, fail like a difference.
+#[test]
+fn what_was_not_caught_and_what_has_no_verdict_is_red() {
+    let mut missed = AGREEING.clone();
+    let names = vec!["shifted by 1 pixel (100 pixels)".to_owned()];
+    missed.cases[0].outcomes[0].wrong =
+        Some(Vacuity { made: 7, caught: 6, missed: names, pixels: 900, differing: 800 });
+    let mut open = AGREEING.clone();
+    let pair = &mut open.cases[0].outcomes[0].pairs[0];
+    (pair.agree, pair.unbounded, pair.reasons) = (false, pair.covered, vec!["none has a verdict".to_owned()]);
+    pair.unbounded_causes.insert("normal without a bound in f32".to_owned(), pair.covered);
+    for (name, words, report) in
+        [("missed", "1 of 7 pictures made wrong", missed), ("open", "none has a verdict", open)]
+    {
+        let bytes = junit::xml(&report).expect("XML");
+        assert_eq!(invalid_junit(&bytes), Vec::<String>::new(), "{name}");
+        let text = String::from_utf8(bytes).expect("UTF-8");
+        assert!(text.matches("<failure").count() == 1 && text.contains(words), "{text}");
+        assert_eq!(report.state(), State::Differ);
+        assert_eq!(invalid_json(&serde_json::to_value(&report).expect("JSON")), Vec::<String>::new());
+        assert!(table::text(&report).contains("SOMETHING DIFFERS"));
     }
 }
 

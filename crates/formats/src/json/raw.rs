@@ -7,6 +7,7 @@ use super::{FORMAT, VERSION};
 use crate::FormatError;
 use crate::error::shorten;
 use nurbs::MAX_DEGREE;
+use scene::escaped;
 use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde_json::error::Category;
@@ -20,7 +21,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<RawDocument, FormatError> 
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let document = Seed(&path, PhantomData).deserialize(&mut deserializer);
     document.and_then(|document| deserializer.end().map(|()| document)).map_err(|error| {
-        let (file, (line, column)) = (file.to_owned(), line_and_column(text, &error));
+        let (file, (line, column)) = (escaped(file), line_and_column(text, &error));
         let (path, whole) = (path.text(), error.to_string());
         // serde_json ends its messages with the place, which has fields of its own here.
         let message = shorten(whole.rsplit_once(" at line ").map_or(whole.as_str(), |(message, _)| message));
@@ -53,7 +54,7 @@ fn word_at(text: &str, line: usize, column: usize) -> String {
     let inside = |c: char| c.is_alphanumeric() || "+-._".contains(c);
     let (before, after) = line.split_at(at);
     if let Some(sign) = after.chars().next().filter(|c| !inside(*c) && !c.is_whitespace()) {
-        return sign.to_string();
+        return escaped(&sign.to_string());
     }
     let start = before.char_indices().rev().take_while(|(_, c)| inside(*c)).last().map_or(at, |(i, _)| i);
     let end = at + after.find(|c| !inside(c)).unwrap_or(after.len());
@@ -359,6 +360,7 @@ macro_rules! object {
     ($(#[$doc:meta])* $name:ident {
         required { $($key:ident: $type:ty,)* }
         optional { $($optional_key:ident: $optional_type:ty,)* }
+        ignored { $($ignored_key:ident,)* }
     }) => {
         $(#[$doc])*
         pub(super) struct $name {
@@ -388,7 +390,9 @@ macro_rules! object {
                             $(stringify!($optional_key) => {
                                 read_member(&mut self.$optional_key, stringify!($optional_key), path, members)
                             })*
-                            _ => members.next_value::<IgnoredAny>().map(drop),
+                            $(stringify!($ignored_key) => members.next_value::<IgnoredAny>().map(drop),)*
+                            // A slip in a name must not pass for an absent member.
+                            _ => Err(A::Error::custom(format_args!("there is no key \"{key}\" here"))),
                         }
                     }
 
@@ -419,6 +423,7 @@ object! {
             knot_convention: Convention,
             faces: Vec<RawFace>,
         }
+        ignored { view, meta, }
     }
 }
 
@@ -438,6 +443,7 @@ object! {
             knot_convention: Convention,
             periodic: [bool; 2],
         }
+        ignored {}
     }
 }
 
@@ -450,8 +456,11 @@ object! {
         optional {
             reversed: bool,
             tolerance: f64,
+            edge_tolerance: f64,
+            vertex_tolerance: f64,
             loops: Vec<RawLoop>,
         }
+        ignored { pixel, }
     }
 }
 
@@ -463,6 +472,7 @@ object! {
             trims: Vec<RawTrim>,
         }
         optional {}
+        ignored {}
     }
 }
 
@@ -481,6 +491,9 @@ object! {
             seam: bool,
             degenerate: bool,
             edge: i64,
+            edge_tolerance: f64,
+            vertex_tolerance: f64,
         }
+        ignored {}
     }
 }

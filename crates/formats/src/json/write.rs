@@ -80,7 +80,7 @@ fn trim_text(trim: &Trim) -> String {
     let knots: &KnotVector = &trim.knots;
     format!(
         "\n{{\"degree\":{},\"knots\":{},\"points\":{},\"weights\":{},\"reversed\":{},\"seam\":{},\"degenerate\":{},\
-         \"edge\":{}}}",
+         \"edge\":{}{}}}",
         knots.degree(),
         numbers(knots.knots()),
         list(trim.points.iter().map(|p| numbers(&p.to_array()))),
@@ -89,5 +89,13 @@ fn trim_text(trim: &Trim) -> String {
         trim.seam,
         trim.degenerate,
         trim.edge.map_or_else(|| "null".to_owned(), |edge| edge.to_string()),
+        tolerances_text(trim),
     )
+}
+
+/// The members of a trim's own tolerances, each after a comma; none where there are none.
+fn tolerances_text(trim: &Trim) -> String {
+    let edge = (trim.edge_tolerance != 0.0).then(|| format!(",\"edge_tolerance\":{}", number(trim.edge_tolerance)));
+    let vertex = trim.vertex_tolerance.map(|t| format!(",\"vertex_tolerance\":{}", number(t)));
+    edge.into_iter().chain(vertex).collect()
 }

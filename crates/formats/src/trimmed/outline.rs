@@ -28,7 +28,7 @@ pub(super) fn inner(trims: Vec<Trim>) -> Loop {
 
 pub(super) fn polynomial(knots: KnotVector, points: Vec<DVec2>) -> Trim {
     debug_assert_eq!(knots.control_count(), points.len());
-    Trim { knots, points, weights: None, reversed: false, seam: false, degenerate: false, edge: None }
+    Trim::new(knots, points, None)
 }
 
 /// A single Bézier segment, of the degree that its control points make.

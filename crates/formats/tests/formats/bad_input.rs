@@ -92,7 +92,7 @@ fn values_of_the_wrong_kind_are_named_with_line_and_member() {
         ("\"version\": 1", "\"version\": \"1\"", &["version: ", "string \"1\""]),
         ("\"format\": \"nurbs-neutral\", ", "", &["format: ", "missing"]),
         ("\"version\": 1, ", "", &["version: ", "missing"]),
-        ("\"surfaces\": [", "\"surface\": [", &["surfaces: ", "missing"]),
+        ("\"surfaces\": [", "\"surface\": [", &["line 2", "the document: ", "no key \"surface\""]),
         ("\"degree\": [1, 1], ", "", &["line 4", "surfaces[0].degree: ", "missing"]),
         ("\"knots_v\": [4, 4, 5, 5],", "", &["surfaces[1].knots_v: ", "missing"]),
         ("\"nu\": 2", "\"nu\": null", &["surfaces[0].nu: ", "missing"]),

@@ -29,9 +29,24 @@ fn what_is_absent_or_null_has_its_default() {
 }
 
 #[test]
-fn unknown_keys_are_ignored_however_deep_and_large_what_they_hold() {
+fn unknown_keys_are_refused_with_their_name_and_place() {
+    let refused = |text: &str| formats::json::parse(text, "part.json").unwrap_err().to_string();
+    let whole = document("[0,0,0,1,1,1]", "");
+    let error = refused(&whole.replace("\"nu\":3", "\"nu\":3,\"weigths\":[1,1,1,1,1,1]"));
+    assert!(error.contains("surfaces[0]: there is no key \"weigths\" here"), "{error}");
+    let error = refused(&document("[0,0,0,1,1,1]", "\"comment\":\"x\","));
+    assert!(error.contains("the document: there is no key \"comment\" here"), "{error}");
+    let error = refused(&document("[0,0,0,1,1,1]", r#""faces":[{"surface":0,"tolerence":1}],"#));
+    assert!(error.contains("faces[0]: there is no key \"tolerence\" here"), "{error}");
+    let error = refused(&document("[0,0,0,1,1,1]", r#""faces":[{"surface":0,"loops":[{"\u001b[2J":1}]}],"#));
+    assert!(error.contains(r#"faces[0].loops[0]: there is no key "\u{1b}[2J" here"#), "{error}");
+}
+
+/// `cargo xtask scene` writes a model with a view; it opens as a model again.
+#[test]
+fn what_a_scene_adds_is_read_over_however_deep_it_is() {
     let deep = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));
-    let more = format!(r#""comment":"x","nested":{{"a":[1,{{"b":null}}]}},"deep":{deep},"#);
+    let more = format!(r#""view":{{"a":[1,{{"b":null}}]}},"meta":{deep},"faces":[{{"surface":0,"pixel":0.1}}],"#);
     assert_eq!(parse(&document("[0,0,0,1,1,1]", &more)), parse(&document("[0,0,0,1,1,1]", "")));
 }
 

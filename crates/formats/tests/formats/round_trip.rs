@@ -126,7 +126,7 @@ fn boundary(domain: [[f64; 2]; 2], reach: f64, outer: bool) -> impl Strategy<Val
                     (shares[0], shares[count - 1]) = (0.0, 1.0);
                     let (from, to) = if reversed { (corner(i + 1), corner(i)) } else { (corner(i), corner(i + 1)) };
                     let points = shares.iter().map(|t| from * (1.0 - t) + to * *t).collect();
-                    Trim { knots: knots.clone(), points, weights, reversed, seam, degenerate, edge }
+                    Trim { reversed, seam, degenerate, edge, ..Trim::new(knots.clone(), points, weights) }
                 },
             )
         })

@@ -4,7 +4,7 @@ use super::element::{Decoder, Element};
 use super::{CHUNK_ELEMENTS, shape};
 use crate::buffer::{NO_HIT, Parts};
 use crate::npy::Header;
-use crate::{GBuffer, GBufferError, Hit, Meta, PrincipalCurvatures};
+use crate::{GBuffer, GBufferError, Hit, LocalParameters, Meta, PrincipalCurvatures};
 use glam::{DVec2, DVec3};
 use nurbs::{Normal, NormalStatus};
 use scene::{Camera, FaceId, Viewport};
@@ -22,8 +22,8 @@ const DEFLATE_RATIO: u64 = 1032;
 const SHOWN_NAME: usize = 64;
 
 /// All arrays that a file may have.
-const ARRAYS: [&str; 13] =
-    ["hit", "face", "u", "v", "t", "pos", "normal", "status", "k1", "k2", "edge", "undecided", "meta"];
+const ARRAYS: [&str; 15] =
+    ["hit", "face", "u", "v", "span", "local", "t", "pos", "normal", "status", "k1", "k2", "edge", "undecided", "meta"];
 
 /// What an archive says of its arrays and its making, before any array is read.
 struct Opened<'a, R> {
@@ -66,6 +66,9 @@ pub(super) fn archive<R: Read + Seek>(reader: R, path: &Path) -> Result<GBuffer,
     let (index, mut hits) = source.index(&present, viewport)?;
     let fill = &mut Fill { index: &index, hits: &mut hits };
     source.points(viewport, fill)?;
+    if present.local {
+        source.local(viewport, fill)?;
+    }
     match rays {
         None => source.fill("t", viewport, fill, |hit, t| number(t).map(|t| hit.t = t))?,
         Some(camera) => measure(&camera, viewport, fill),
@@ -91,6 +94,8 @@ pub(super) fn archive<R: Read + Seek>(reader: R, path: &Path) -> Result<GBuffer,
 struct Present {
     hit: bool,
     t: bool,
+    /// Either of `span` and `local`; then both must be there.
+    local: bool,
     status: bool,
     /// Either of `k1` and `k2`; then both must be there.
     curvature: bool,
@@ -104,6 +109,7 @@ impl Present {
         Self {
             hit: has("hit"),
             t: has("t"),
+            local: has("span") || has("local"),
             status: has("status"),
             curvature: has("k1") || has("k2"),
             edge: has("edge"),
@@ -126,6 +132,7 @@ fn measure(camera: &Camera, viewport: Viewport, fill: &mut Fill) {
 const BLANK: Hit = Hit {
     face: FaceId(0),
     uv: DVec2::NAN,
+    local: None,
     t: f64::NAN,
     position: DVec3::NAN,
     normal: Normal::Undefined,
@@ -212,6 +219,10 @@ impl<R: Read + Seek> Source<'_, R> {
         for array in ["pos", "normal"] {
             self.array::<f64, 3>(array, viewport)?;
         }
+        if present.local {
+            self.array::<i64, 2>("span", viewport)?;
+            self.array::<f64, 2>("local", viewport)?;
+        }
         if present.edge {
             self.array::<f64, 2>("edge", viewport)?;
         }
@@ -297,6 +308,23 @@ impl<R: Read + Seek> Source<'_, R> {
                 None if k[0].is_nan() => {}
                 None => return Err(Wrong { value: k[0], expected: "NaN as k1 is" }),
             }
+            Ok(())
+        })
+    }
+
+    fn local(&mut self, viewport: Viewport, fill: &mut Fill) -> Result<(), GBufferError> {
+        let span = |k: i64| u32::try_from(k).map_err(|_| Wrong { value: k as f64, expected: "the number of a span" });
+        let share = |t: f64| match t {
+            0.0..=1.0 => Ok(t),
+            _ => Err(Wrong { value: t, expected: "a number from 0 to 1" }),
+        };
+        self.fill("span", viewport, fill, |hit, [u, v]: [i64; 2]| {
+            hit.local = Some(LocalParameters { span: [span(u)?, span(v)?], uv: DVec2::NAN });
+            Ok(())
+        })?;
+        self.fill("local", viewport, fill, |hit, [u, v]: [f64; 2]| {
+            let uv = DVec2::new(share(u)?, share(v)?);
+            hit.local = hit.local.map(|local| LocalParameters { uv, ..local });
             Ok(())
         })
     }

@@ -22,6 +22,7 @@ fn hit(face: u32, at: DVec2, depth: f64, edge: Option<DVec2>) -> Hit {
     Hit {
         face: FaceId(face),
         uv: at,
+        local: None,
         t: depth,
         position: DVec3::new(at.x, -at.y, 10.0 - depth),
         normal: Normal::Regular(DVec3::Z),

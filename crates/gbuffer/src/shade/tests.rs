@@ -268,6 +268,7 @@ fn model_and_hit(face: u32) -> (Model, Hit) {
     let hit = Hit {
         face: scene::FaceId(face),
         uv: glam::DVec2::new(3.0, 0.5),
+        local: None,
         t: 5.0,
         position: DVec3::new(3.0, 0.0, 1.0),
         normal: nurbs::Normal::Regular(DVec3::Z),

@@ -93,8 +93,8 @@ fn an_invalid_source_is_found_out() {
 fn records_have_the_same_members_at_the_same_offsets() {
     let module = module();
     same_layout!(
-        &module, FaceRecord, degree_u, degree_v, count_u, count_v, knots_u, knots_v, points, last_u, last_v, flags,
-        trims, intervals
+        &module, FaceRecord, degree_u, degree_v, spans_u, spans_v, table_u, table_v, points, count_v, flags, trims,
+        intervals, padding
     );
     same_layout!(&module, View, clip_from_local, eye, units);
     same_layout!(&module, PieceRecord, hull_from_local, flat, rectangle, face, span_u, span_v, patience);
@@ -143,6 +143,7 @@ fn constants_have_the_same_values() {
         ("SKIRT_STEP_PX", sight::SKIRT_STEP_PX),
         ("LAST_BEND_PX", newton::LAST_BEND_PX),
         ("PROMISE", newton::PROMISE),
+        ("ROUNDING", newton::ROUNDING),
         ("INSIDE", newton::INSIDE),
         ("BEYOND", newton::BEYOND),
         ("EDGE_ON", newton::EDGE_ON),

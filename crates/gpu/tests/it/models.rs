@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use nurbs::{KnotVector, Surface};
+use pipeline::{PackedScene, Parameters};
 use scene::{Face, Model};
 
 /// Splitmix64 (Steele, Lea & Flood 2014): enough to scatter numbers.
@@ -90,13 +91,17 @@ pub fn assorted(seed: u64) -> Model {
     Model::new(format!("assorted {seed}"), surfaces, faces).expect("has faces")
 }
 
-/// Parameters inside, at the ends, and at the face's own knots and their neighbours.
-pub fn parameters(random: &mut Random, knots: &[f32]) -> f32 {
-    match random.below(8) {
-        0 => 0.0,
-        1 => 1.0,
-        2 => knots[random.below(knots.len())].clamp(0.0, 1.0),
-        3 => knots[random.below(knots.len())].next_down().clamp(0.0, 1.0),
-        _ => random.unit() as f32,
+/// Places of a face: on any spans, inside and at their ends, and by parameters of the whole domain, at knots and beside them, too.
+pub fn place(random: &mut Random, scene: &PackedScene, face: u32) -> Parameters {
+    let record = &scene.faces[face as usize];
+    if random.below(2) == 0 {
+        let span = [record.spans_u, record.spans_v].map(|spans| random.below(spans as usize) as u32);
+        let uv = [0, 1].map(|_| if random.below(4) == 0 { random.below(2) as f32 } else { random.unit() as f32 });
+        return Parameters { span, uv };
     }
+    Parameters::searched(scene.starts(record).map(|starts| match random.below(4) {
+        0 => starts[random.below(starts.len())],
+        1 => starts[random.below(starts.len())].next_down().max(0.0),
+        _ => random.unit() as f32,
+    }))
 }

@@ -9,7 +9,7 @@ use gpu::{DepthOrder, Device, MaskBlend, Overrides, Renderer, RendererOptions};
 use nurbs::{KnotVector, Surface};
 use pipeline::fragment::fragment;
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, Proxy, Scheme};
+use pipeline::{PackedScene, Parameters, Proxy, Scheme};
 use scene::{Camera, FaceId, Model, Projection, Viewport};
 
 pub(crate) const CURVATURE: RendererOptions<'static> = RendererOptions {
@@ -78,7 +78,7 @@ fn every_fragment_has_the_bits_of_the_program_in_rust_at_its_own_parameters() {
         let drawn: Vec<_> = fragments.iter().flatten().collect();
         assert!(drawn.len() > 500, "{} pixels drawn", drawn.len());
         for f in drawn {
-            let expected = fragment(&shot.scene, f.face, f.uv, true);
+            let expected = fragment(&shot.scene, f.face, Parameters { span: f.span, uv: f.uv }, true);
             assert_eq!(differences(f, &expected), [""; 0], "{f:?} is not {expected:?}");
         }
     }
@@ -288,11 +288,13 @@ fn another_proxy_of_the_same_scene_is_drawn_in_place_of_the_first() {
     let finer = Proxy::uniform(&shot.model, &shot.scene, 6).unwrap();
     renderer.set_proxy(&finer).unwrap();
     assert!(renderer.fragments(&views, shot.viewport).unwrap() != first);
-    let nothing = Proxy { vertices: vec![], indices: vec![], batches: vec![], chord: vec![], pieces: vec![] };
+    let nothing = Proxy::default();
     renderer.set_proxy(&nothing).unwrap();
     assert!(renderer.fragments(&views, shot.viewport).unwrap().iter().all(Option::is_none));
     let empty_batches = shot.proxy.batches.iter().map(|b| pipeline::Batch { count: 0, ..*b }).collect();
-    renderer.set_proxy(&Proxy { batches: empty_batches, ..shot.proxy.clone() }).unwrap();
+    let mut without = shot.proxy.clone();
+    without.batches = empty_batches;
+    renderer.set_proxy(&without).unwrap();
     assert!(renderer.fragments(&views, shot.viewport).unwrap().iter().all(Option::is_none));
 }
 

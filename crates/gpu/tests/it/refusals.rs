@@ -4,7 +4,7 @@ use crate::models::assorted;
 use crate::software;
 use gpu::{Device, GpuError, Overrides, Renderer, RendererOptions, probe};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, Program, Proxy, Scheme};
+use pipeline::{PackedScene, Parameters, Program, Proxy, Scheme};
 use scene::{Camera, Viewport};
 
 #[test]
@@ -87,7 +87,7 @@ fn a_probe_of_another_programs_face_is_refused() {
     let device = software();
     let scene = PackedScene::new(&assorted(1), Scheme::Specialised).unwrap();
     for face in [0, 20] {
-        let error = probe(&device, &scene, Program::Degree(5), &[(face, [0.5; 2])]).unwrap_err();
+        let error = probe(&device, &scene, Program::Degree(5), &[(face, Parameters::searched([0.5; 2]))]).unwrap_err();
         assert!(matches!(error, GpuError::ProbeFace { index: 0, .. }), "{error}");
     }
     assert_eq!(probe(&device, &scene, Program::Degree(5), &[]), Ok(vec![]));

@@ -1,10 +1,10 @@
 //! The fragment program in WGSL against the one in Rust, number by number.
 
-use crate::models::{Random, assorted, parameters};
+use crate::models::{Random, assorted, place};
 use crate::software;
 use gpu::probe;
 use pipeline::fragment::{Fragment, fragment};
-use pipeline::{PackedScene, Scheme};
+use pipeline::{PackedScene, Parameters, Scheme};
 
 /// All numbers of a fragment as bits, with their names; 0 and −0 count as one.
 pub fn bits(f: &Fragment) -> Vec<(&'static str, u32)> {
@@ -38,18 +38,17 @@ fn the_program_in_wgsl_gives_the_bits_of_the_program_in_rust() {
                 let mut random = Random::new(seed);
                 let faces: Vec<u32> =
                     (0..scene.faces.len() as u32).filter(|&f| scene.programs[f as usize] == program).collect();
-                let queries: Vec<(u32, [f32; 2])> = (0..4000)
+                let queries: Vec<(u32, Parameters)> = (0..4000)
                     .map(|_| {
                         let face = faces[random.below(faces.len())];
-                        let [ku, kv] = scene.knots(&scene.faces[face as usize]);
-                        (face, [parameters(&mut random, ku), parameters(&mut random, kv)])
+                        (face, place(&mut random, &scene, face))
                     })
                     .collect();
                 let answers = probe(&device, &scene, program, &queries).unwrap();
                 let mut counts = std::collections::BTreeMap::new();
                 let mut example = None;
-                for (answer, &(face, uv)) in answers.iter().zip(&queries) {
-                    let expected = fragment(&scene, face, uv, true);
+                for (answer, &(face, at)) in answers.iter().zip(&queries) {
+                    let expected = fragment(&scene, face, at, true);
                     for name in differences(answer, &expected) {
                         *counts.entry(name).or_insert(0) += 1;
                         example.get_or_insert((*answer, expected, model.surfaces()[face as usize].degree()));
@@ -67,7 +66,7 @@ fn the_program_in_wgsl_gives_the_bits_of_the_program_in_rust() {
 #[test]
 fn a_flipped_bit_is_a_difference() {
     let scene = PackedScene::new(&assorted(1), Scheme::General).unwrap();
-    let sound = fragment(&scene, 0, [0.25, 0.75], true);
+    let sound = fragment(&scene, 0, Parameters { span: [0; 2], uv: [0.25, 0.75] }, true);
     let mut faulty = sound;
     faulty.normal[2] = f32::from_bits(sound.normal[2].to_bits() ^ 1);
     assert_eq!(differences(&sound, &sound), [""; 0]);

@@ -1,10 +1,11 @@
-//! The basis functions of one direction with the local error of every operation, and their derivatives backwards.
+//! The basis functions of one span with the local error of every operation, and their derivatives backwards.
 //!
 //! Column j of the inverse triangle holds the functions of degree j; read backwards it is de Boor's algorithm on the
 //! derivatives of a result by the N_r. The names are those of `eval::basis`.
 
+use super::OnSpan;
 use super::error::{Adjoint, Budget, DIVISORS, Error, FLUSH, NARROWING, NEIGHBOUR};
-use super::{Narrowed, Parameter};
+use crate::eval::Span;
 
 /// Values of functions and how far the program may be from them.
 #[derive(Debug, Clone, Copy)]
@@ -54,8 +55,8 @@ pub(super) struct Basis<const CAPACITY: usize> {
     columns: [Column<CAPACITY>; CAPACITY],
     /// N' of degree p − 1, on which N'' rests.
     lower: Functions<CAPACITY>,
-    /// Whether narrowing moves the knots by less than a span; if not, its errors are left out.
-    pub has_packing_bound: bool,
+    /// What derivatives are multiplied by, a power of two.
+    gain: f64,
 }
 
 /// Derivatives of the results by N, N' and N''.
@@ -70,25 +71,16 @@ fn difference(a: f64, b: f64) -> (f64, f64) {
 
 impl<const CAPACITY: usize> Basis<CAPACITY> {
     /// `None` where a knot difference is outside the range for which WGSL states the accuracy of a division.
-    pub fn new(
-        knots: &[f32],
-        degree: usize,
-        span: usize,
-        t: Parameter,
-        narrowed: Narrowed,
-        second: bool,
-    ) -> Option<Self> {
+    pub fn new(span: &Span, degree: usize, on: &OnSpan, second: bool) -> Option<Self> {
+        let (knots, gain) = (span.knots, f64::from(span.gain));
         let mut basis = Self {
             functions: [Functions::ZERO; 3],
             degree,
             columns: [Column::ZERO; CAPACITY],
             lower: Functions::ZERO,
-            has_packing_bound: is_wider_than_narrowing(knots, degree, span),
+            gain,
         };
-        let narrowed = if basis.has_packing_bound { narrowed } else { Narrowed::default() };
-        let has_bound = basis.has_packing_bound;
-        let narrowed_knot = |knot| if has_bound { narrowed_knot(knot) } else { 0.0 };
-        let (t, t_error) = (t.middle(), Error { rounding: t.radius(), packing: narrowed.parameter });
+        let (t, t_error) = (on.t.middle(), Error { rounding: on.t.radius(), packing: on.lost });
         basis.functions[0].value[0] = 1.0;
         for j in 1..=degree {
             let from = basis.functions[0];
@@ -97,7 +89,7 @@ impl<const CAPACITY: usize> Basis<CAPACITY> {
             // The first product of column 1 is 1 × reciprocal: exact.
             let first_product = if j == 1 { 0.0 } else { NEIGHBOUR };
             for r in 0..j {
-                let [right, left] = [knots[span + r + 1], knots[span + 1 + r - j]].map(f64::from);
+                let [right, left] = [knots[degree + r], knots[degree + r - j]].map(f64::from);
                 let [right_packing, left_packing] = [right, left].map(narrowed_knot);
                 let (width, width_rounding) = difference(right, left);
                 if !(width - width_rounding >= DIVISORS[0] && width <= DIVISORS[1]) {
@@ -145,11 +137,11 @@ impl<const CAPACITY: usize> Basis<CAPACITY> {
             column.local = to.local;
             basis.functions[0] = to;
             if second && j + 1 == degree {
-                basis.lower = differences(&basis.columns[j - 1].term, j, first_product);
+                basis.lower = differences(&basis.columns[j - 1].term, j, gain, first_product);
             }
         }
         let last = &basis.columns[degree - 1];
-        basis.functions[1] = differences(&last.term, degree, if degree == 1 { 0.0 } else { NEIGHBOUR });
+        basis.functions[1] = differences(&last.term, degree, gain, if degree == 1 { 0.0 } else { NEIGHBOUR });
         if second && degree > 1 {
             let mut term = Functions::<CAPACITY>::ZERO;
             for r in 0..degree {
@@ -160,7 +152,7 @@ impl<const CAPACITY: usize> Basis<CAPACITY> {
                 term.radius[r] = radius * reciprocal + term.value[r].abs() * relative + beyond;
                 term.local[r] = Error::both(beyond);
             }
-            basis.functions[2] = differences(&term, degree, NEIGHBOUR);
+            basis.functions[2] = differences(&term, degree, gain, NEIGHBOUR);
             // Kept for the way back.
             basis.columns[degree - 1].term.local = std::array::from_fn(|r| last_remainder(last, &term, r));
         }
@@ -191,13 +183,14 @@ impl<const CAPACITY: usize> Basis<CAPACITY> {
             for r in 0..j {
                 // de Boor's step, and the derivatives that rest on this column.
                 let mut of_term = Adjoint::combined(&of_value[r], column.right[r], &of_value[r + 1], column.left[r]);
+                let factor = j as f64 * self.gain;
                 if j == p {
-                    of_term.add(&first[r + 1], p as f64);
-                    of_term.add(&first[r], -(p as f64));
+                    of_term.add(&first[r + 1], factor);
+                    of_term.add(&first[r], -factor);
                 }
                 if second && j + 1 == p {
-                    of_term.add(&of_lower[r + 1], j as f64);
-                    of_term.add(&of_lower[r], -(j as f64));
+                    of_term.add(&of_lower[r + 1], factor);
+                    of_term.add(&of_lower[r], -factor);
                 }
                 budget.charge(&of_term, column.term.local[r]);
                 let mut of_reciprocal = of_term;
@@ -205,7 +198,7 @@ impl<const CAPACITY: usize> Basis<CAPACITY> {
                     *x *= column.term.value[r];
                 }
                 if second && j == p {
-                    let of_curved = Adjoint::combined(&curved[r + 1], p as f64, &curved[r], -(p as f64));
+                    let of_curved = Adjoint::combined(&curved[r + 1], factor, &curved[r], -factor);
                     budget.charge(&of_curved, column.term.local[r]);
                     of_reciprocal.add(&of_curved, self.lower.value[r] * column.reciprocal[r]);
                     of_lower[r] = Adjoint::ZERO;
@@ -225,10 +218,15 @@ fn last_remainder<const CAPACITY: usize>(last: &Column<CAPACITY>, curved: &Funct
     Error::both(last.term.local[r].rounding.max(curved.local[r].rounding))
 }
 
-/// p (term_{r−1} − term_r), `product` being the relative rounding of a term, which each difference may fuse or not.
-fn differences<const CAPACITY: usize>(term: &Functions<CAPACITY>, degree: usize, product: f64) -> Functions<CAPACITY> {
+/// p × gain × (term_{r−1} − term_r), `product` being the relative rounding of a term, which each difference may fuse or not.
+fn differences<const CAPACITY: usize>(
+    term: &Functions<CAPACITY>,
+    degree: usize,
+    gain: f64,
+    product: f64,
+) -> Functions<CAPACITY> {
     let mut d = Functions::<CAPACITY>::ZERO;
-    let p = degree as f64;
+    let p = degree as f64 * gain;
     let last = if degree.is_power_of_two() { 0.0 } else { NEIGHBOUR };
     for r in 0..=degree {
         let mut size = 0.0;
@@ -266,7 +264,7 @@ fn reciprocal_accuracy(reciprocal: f64, is_rounded: bool) -> f64 {
 /// 2.5 ulp, relative, of a quotient whose divisor was rounded.
 const DIVISORS_ACCURACY: f64 = 2.5 * NEIGHBOUR * (1.0 + 2.0 * NEIGHBOUR);
 
-/// How far the narrowing of packing moves a knot. The ends of the domain, 0 and 1, are exact.
+/// How far the narrowing of packing moves a knot. The ends of the span, 0 and 1, are exact.
 fn narrowed_knot(knot: f64) -> f64 {
     if knot == 0.0 || knot == 1.0 { 0.0 } else { NARROWING * knot.abs() + FLUSH }
 }
@@ -274,11 +272,4 @@ fn narrowed_knot(knot: f64) -> f64 {
 /// Relative error of 1 / width where the width is off by up to `error`.
 fn narrowing_of_reciprocal(error: f64, width: f64) -> f64 {
     error / (width - error)
-}
-
-/// Whether the span is at least eight times as wide as what narrowing moves its knots by.
-fn is_wider_than_narrowing(knots: &[f32], degree: usize, span: usize) -> bool {
-    let width = f64::from(knots[span + 1]) - f64::from(knots[span]);
-    let active = &knots[span + 1 - degree..=span + degree];
-    active.iter().all(|&knot| 16.0 * narrowed_knot(f64::from(knot)) <= width)
 }

@@ -40,11 +40,11 @@ struct Row {
 }
 
 impl<const CAPACITY: usize> Sums<CAPACITY> {
-    /// The sums on a span; `orders` is how many of [`ORDERS`] are wanted, 3 or 6.
+    /// The sums on two spans whose control points begin at `first`; `orders` is how many of [`ORDERS`] are wanted, 3 or 6.
     pub fn new(
         face: &FaceRecord,
         points: &[[f32; 4]],
-        span: [usize; 2],
+        first: [usize; 2],
         [nu, nv]: [&Basis<CAPACITY>; 2],
         components: usize,
         orders: usize,
@@ -67,8 +67,8 @@ impl<const CAPACITY: usize> Sums<CAPACITY> {
         // Functions beyond the degree are zero.
         let lengths: [f64; 3] = std::array::from_fn(|b| nv.functions[b].value.iter().map(|n| n.abs()).sum());
         for i in 0..=p {
-            let first = face.points as usize + (span[0] - p + i) * face.count_v as usize + span[1] - q;
-            let points = &points[first..=first + q];
+            let start = face.points as usize + (first[0] + i) * face.count_v as usize + first[1];
+            let points = &points[start..=start + q];
             for c in 0..components {
                 let mut rows = [Row::default(); 3];
                 for (j, point) in points.iter().enumerate() {

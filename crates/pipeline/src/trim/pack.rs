@@ -186,13 +186,13 @@ impl Rising {
 
 /// How far off the fragment's arithmetic may see a piece, in local parameters.
 ///
-/// In units u = 2⁻²⁴: narrowing its corner and the fragment's distance from it, u each of 1; of the piece's own size, one
-/// for each narrowed control point, and of Horner's scheme three for each degree, all of them times what the
-/// weights can magnify; a division, and the last of the bisections.
+/// In units u = 2⁻²⁴: narrowing its corner and the fragment's distance from it, u each of 1; three more for the fragment's
+/// parameters, which are made of a span's. Of the piece's own size, one for each narrowed control point, and of Horner's scheme
+/// three for each degree, all of them times what the weights can magnify; a division, and the last of the bisections.
 fn band(curve: &BezierCurve) -> DVec2 {
     const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
     let weights = curve.control().iter().map(|c| c.z);
     let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(least, most), w| (least.min(w), most.max(w)));
     let size = curve.hull().size();
-    UNIT * (DVec2::splat(3.0) + (3 * curve.degree() + 8) as f64 * (most / least) * size)
+    UNIT * (DVec2::splat(6.0) + (3 * curve.degree() + 8) as f64 * (most / least) * size)
 }

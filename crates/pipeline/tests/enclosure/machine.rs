@@ -1,8 +1,8 @@
 //! The fragment program on an adapter that uses every freedom WGSL gives it, drawn at random.
 
 use nurbs::MAX_ORDER;
-use pipeline::eval::{find_span, is_regular};
-use pipeline::{PackedScene, RATIONAL, REVERSED};
+use pipeline::eval::{Span, is_regular};
+use pipeline::{PackedScene, Parameters, RATIONAL, REVERSED};
 
 /// SplitMix64 (Steele, Lea & Flood 2014, doi 10.1145/2714064.2660195).
 pub struct Random(pub u64);
@@ -223,8 +223,9 @@ impl Machine {
         [(1, 2), (2, 0), (0, 1)].map(|(i, j)| self.sum(&[(1.0, &[a[i], b[j]]), (-1.0, &[a[j], b[i]])]))
     }
 
-    /// N, N', N''. With `late`, N' lacks its factor p: it was pulled out of the sums.
-    fn basis(&mut self, knots: &[f32], degree: usize, span: usize, t: f32, late: bool) -> [[f32; MAX_ORDER]; 3] {
+    /// N, N', N''. With `late`, N' lacks its factor p times the gain: it was pulled out of the sums.
+    fn basis(&mut self, span: &Span, degree: usize, t: f32, late: bool) -> [[f32; MAX_ORDER]; 3] {
+        let (knots, gain) = (span.knots, span.gain);
         let mut value = [0.0f32; MAX_ORDER];
         let mut below = value;
         let mut lower = value;
@@ -234,7 +235,7 @@ impl Machine {
             below = value;
             let (mut right, mut left) = ([0.0f32; MAX_ORDER], [0.0f32; MAX_ORDER]);
             for r in 0..j {
-                let (a, b) = (knots[span + r + 1], knots[span + 1 + r - j]);
+                let (a, b) = (knots[degree + r], knots[degree + r - j]);
                 let width = self.add(a, -b);
                 reciprocal[r] = self.divide(1.0, width);
                 right[r] = self.add(a, -t);
@@ -250,15 +251,16 @@ impl Machine {
                 };
             }
             if j + 1 == degree {
-                lower = self.differences(&below, &reciprocal, j, false);
+                lower = self.differences(&below, &reciprocal, j, gain, false);
             }
         }
-        let first = self.differences(&below, &reciprocal, degree, late);
-        let second = if degree > 1 { self.differences(&lower, &reciprocal, degree, false) } else { [0.0; MAX_ORDER] };
+        let first = self.differences(&below, &reciprocal, degree, gain, late);
+        let second =
+            if degree > 1 { self.differences(&lower, &reciprocal, degree, gain, false) } else { [0.0; MAX_ORDER] };
         [value, first, second]
     }
 
-    fn differences(&mut self, below: &[f32], reciprocal: &[f32], p: usize, late: bool) -> [f32; MAX_ORDER] {
+    fn differences(&mut self, below: &[f32], reciprocal: &[f32], p: usize, gain: f32, late: bool) -> [f32; MAX_ORDER] {
         let mut d = [0.0f32; MAX_ORDER];
         for r in 0..=p {
             let term = |r: usize| [below[r], reciprocal[r]];
@@ -272,33 +274,31 @@ impl Machine {
                 }
                 _ => self.sum(&[(1.0, &term(r - 1)), (-1.0, &term(r))]),
             };
-            d[r] = if late { difference } else { self.multiply(difference, p as f32) };
+            d[r] = if late { difference } else { self.multiply(difference, p as f32 * gain) };
         }
         d
     }
 
     /// The program.
-    pub fn fragment(&mut self, scene: &PackedScene, face: usize, [u, v]: [f32; 2]) -> Returned {
+    pub fn fragment(&mut self, scene: &PackedScene, face: usize, at: Parameters) -> Returned {
         let f = &scene.faces[face];
-        let [ku, kv] = scene.knots(f);
         let [p, q] = [f.degree_u as usize, f.degree_v as usize];
-        let k = find_span(ku, p, f.count_u as usize, f.last_u as usize, u);
-        let l = find_span(kv, q, f.count_v as usize, f.last_v as usize, v);
+        let ([u, v], [span_u, span_v]) = (at.uv, scene.spans(f, at.span));
         let late = !self.is_strict() && self.random.coin();
-        let nu = self.basis(ku, p, k, u, late);
-        let nv = self.basis(kv, q, l, v, late);
+        let nu = self.basis(&span_u, p, u, late);
+        let nv = self.basis(&span_v, q, v, late);
         let rational = f.flags & RATIONAL != 0;
         let mut a = [[0.0f32; 4]; 6];
         for c in 0..if rational { 4 } else { 3 } {
             let mut rows = [[0.0f32; MAX_ORDER]; 3];
             for i in 0..=p {
-                let first = f.points as usize + (k - p + i) * f.count_v as usize + l - q;
+                let first = f.points as usize + (span_u.first + i) * f.count_v as usize + span_v.first;
                 for b in 0..3 {
                     let pairs: [[f32; 2]; MAX_ORDER] =
                         std::array::from_fn(|j| if j <= q { [nv[b][j], scene.points[first + j][c]] } else { [0.0; 2] });
                     rows[b][i] = self.sum_pairs(&pairs[..=q]);
                     if b == 1 && late {
-                        rows[b][i] = self.multiply(rows[b][i], q as f32);
+                        rows[b][i] = self.multiply(rows[b][i], q as f32 * span_v.gain);
                     }
                 }
             }
@@ -306,7 +306,7 @@ impl Machine {
                 let pairs: [[f32; 2]; MAX_ORDER] = std::array::from_fn(|i| [nu[x][i], rows[y][i]]);
                 a[order][c] = self.sum_pairs(&pairs[..=p]);
                 if x == 1 && late {
-                    a[order][c] = self.multiply(a[order][c], p as f32);
+                    a[order][c] = self.multiply(a[order][c], p as f32 * span_u.gain);
                 }
             }
         }

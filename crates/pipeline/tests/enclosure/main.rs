@@ -2,18 +2,23 @@
 
 mod machine;
 
+use gbuffer::Hit;
 use glam::DVec3;
 use machine::{DIRECTIONS, Machine, Random, Returned};
 use nurbs::{Direction, KnotVector, Normal, Surface};
-use pipeline::enclosure::{Enclosure, Enclosures, Interval, Parameter, Regularity, enclose};
-use pipeline::{PackedScene, Scheme};
+use pipeline::enclosure::{Enclosure, Enclosures, Interval, Known, Regularity, enclose};
+use pipeline::fragment::fragment;
+use pipeline::{PackedScene, Parameters, Scheme};
 use rayon::prelude::*;
-use scene::Model;
+use scene::{Model, Ray};
 
 /// Surfaces, places on each, and evaluations at each place: 1,036,800 in all.
 const SURFACES: u64 = 2400;
 const PLACES: usize = 18;
 const EVALUATIONS: usize = 24;
+
+/// Any ray: its hits are of no interest.
+const RAY: Ray = Ray { origin: DVec3::ZERO, direction: DVec3::Z, near: 0.0 };
 
 /// A knot vector that stresses something.
 fn knots(random: &mut Random, degree: usize) -> KnotVector {
@@ -93,17 +98,19 @@ fn packed(random: &mut Random, model: &Model) -> PackedScene {
     PackedScene::new(model, scheme).expect("a usable size")
 }
 
-/// A place: anywhere, on a knot, beside one, or at an end.
-fn place(random: &mut Random, scene: &PackedScene) -> [f32; 2] {
+/// A place: on any spans, anywhere, at an end, or beside one.
+fn place(random: &mut Random, scene: &PackedScene) -> Parameters {
     let face = scene.faces[0];
-    scene.knots(&face).map(|knots| {
-        let t = match random.below(4) {
-            0 => knots[random.below(knots.len())],
-            1 => knots[random.below(knots.len())] + random.between(0.0, 1e-6) as f32,
+    let span = [face.spans_u, face.spans_v].map(|spans| random.below(spans as usize) as u32);
+    let uv = [0, 1].map(|_| {
+        let end = random.below(2) as f32;
+        match random.below(4) {
+            0 => end,
+            1 => (end + random.between(-1e-6, 1e-6) as f32).clamp(0.0, 1.0),
             _ => random.unit() as f32,
-        };
-        t.clamp(0.0, 1.0)
-    })
+        }
+    });
+    Parameters { span, uv }
 }
 
 /// Shares of the half-widths that something returned uses; infinite where it is not allowed at all.
@@ -175,16 +182,16 @@ fn evaluate(surfaces: std::ops::Range<u64>, allowed: f64) -> Found {
         let scene = packed(&mut random, &model);
         let mut found = Found::default();
         for _ in 0..PLACES {
-            let uv = place(&mut random, &scene);
-            let enclosure = only(&enclose(&scene, 0, uv.map(Parameter::exact), true));
+            let at = place(&mut random, &scene);
+            let enclosure = only(&enclose(&scene, 0, &Known::exact(at), true));
             for k in 0..EVALUATIONS {
                 let direction = DIRECTIONS[k % DIRECTIONS.len()];
                 let mut machine = Machine { random: Random(random.next()), direction };
-                let returned = machine.fragment(&scene, 0, uv);
+                let returned = machine.fragment(&scene, 0, at);
                 let share = used(&enclosure, &returned);
                 let most = share.position.max(share.normal).max(share.curvature);
                 if most > allowed && allowed == 1.0 {
-                    eprintln!("seed {seed}, {uv:?}, {direction:?}: {share:?}\n{enclosure:?}\n{returned:?}");
+                    eprintln!("seed {seed}, {at:?}, {direction:?}: {share:?}\n{enclosure:?}\n{returned:?}");
                 }
                 found = found.and(Found {
                     evaluations: 1,
@@ -227,14 +234,28 @@ fn parameters_that_are_not_known_to_the_bit_allow_both_neighbours() {
         let mut random = Random(seed);
         let model = model(&mut random);
         let scene = packed(&mut random, &model);
-        let [u, v] = place(&mut random, &scene).map(|t| t.clamp(f32::EPSILON, 1.0 - f32::EPSILON));
+        let Parameters { span, uv } = place(&mut random, &scene);
+        let [u, v] = uv.map(|t| t.clamp(f32::EPSILON, 1.0 - f32::EPSILON));
         let frame = &scene.frames[0];
-        let middle = 0.5 * (frame.uv([u, v]) + frame.uv([u.next_down(), v.next_down()]));
-        let enclosures = enclose(&scene, 0, frame.parameters(middle), true);
+        let between =
+            |span: [u32; 2], uv: [f32; 2]| 0.5 * (frame.uv(span, uv) + frame.uv(span, uv.map(f32::next_down)));
+        // In the middle of two f32, or where two spans meet.
+        let at_knots = seed % 4 == 0 && (0..2).all(|k| span[k] > 0);
+        let uv = if at_knots { frame.uv(span, [0.0; 2]) } else { between(span, [u, v]) };
+        let hit = scene.hit(&fragment(&scene, 0, Parameters { span, uv: [u, v] }, true), &RAY);
+        let known = frame.known(&Hit { uv, local: None, ..hit });
+        let enclosures = enclose(&scene, 0, &known, true);
         ambiguous += usize::from(enclosures.iter().count() > 1);
-        for uv in [[u, v], [u.next_down(), v], [u, v.next_down()], [u.next_down(), v.next_down()]] {
+        let places = if at_knots {
+            let [k, l] = span;
+            [(span, [0.0; 2]), ([k - 1, l], [1.0, 0.0]), ([k, l - 1], [0.0, 1.0]), ([k - 1, l - 1], [1.0; 2])]
+        } else {
+            let below = [u, v].map(f32::next_down);
+            [[u, v], [below[0], v], [u, below[1]], below].map(|uv| (span, uv))
+        };
+        for (span, uv) in places {
             let mut machine = Machine { random: Random(seed), direction: DIRECTIONS[seed as usize % DIRECTIONS.len()] };
-            let returned = machine.fragment(&scene, 0, uv);
+            let returned = machine.fragment(&scene, 0, Parameters { span, uv });
             let most = |e: &Enclosure| {
                 let share = used(e, &returned);
                 share.position.max(share.normal).max(share.curvature)
@@ -257,18 +278,10 @@ fn the_surface_in_f64_lies_within_the_packing_bound() {
         let frame = &scene.frames[0];
         let surface = &model.surfaces()[0];
         for _ in 0..8 {
-            let uv = [random.unit() as f32, random.unit() as f32];
-            let e = only(&enclose(&scene, 0, uv.map(Parameter::exact), true));
-            let (u, v) = frame.uv(uv).into();
-            // A knot between here and where narrowing put it changes the polynomial.
-            let near = |d: Direction, t: f64| {
-                let knots = surface.knots(d);
-                knots.knots().iter().any(|k| (k - t).abs() < 1e-6 * knots.length())
-            };
-            let Some(s) = e.position.filter(|s| s[0].packing.is_finite()) else { continue };
-            if near(Direction::U, u) || near(Direction::V, v) {
-                continue;
-            }
+            let at = place(&mut random, &scene);
+            let e = only(&enclose(&scene, 0, &Known::exact(at), true));
+            let (u, v) = frame.uv(at.span, at.uv).into();
+            let Some(s) = e.position else { continue };
             checked += 1;
             let narrowed = |x: Interval| Interval { half_width: x.packing, ..x };
             let within = |intervals: &[Interval], found: &[f64], slack: f64| {
@@ -278,7 +291,9 @@ fn the_surface_in_f64_lies_within_the_packing_bound() {
                 });
                 shares.fold(0.0, f64::max)
             };
-            let point = surface.inspect(u, v);
+            let [k, l] = [Direction::U, Direction::V]
+                .map(|d| surface.knots(d).spans().nth(at.span[d as usize] as usize).expect("a span of the face"));
+            let point = surface.inspect_on(k, l, u, v);
             let sign = if model.faces()[0].reversed { -1.0 } else { 1.0 };
             let local = (point.derivatives.s - frame.origin) / frame.scale;
             let lost = 4.0 * f64::EPSILON * frame.origin.abs().max_element() / frame.scale;
@@ -311,9 +326,10 @@ fn half_widths_are_of_the_size_of_the_errors_seen() {
         let mut seen: [[Vec<f64>; 2]; 3] = Default::default();
         for _ in 0..20_000 {
             let face = random.below(scene.faces.len()) as u32;
-            let uv = [random.unit() as f32, random.unit() as f32];
-            let fragment = pipeline::fragment::fragment(&scene, face, uv, true);
-            let e = only(&enclose(&scene, face, uv.map(Parameter::exact), true));
+            let searched = Parameters::searched([random.unit() as f32, random.unit() as f32]);
+            let fragment = fragment(&scene, face, searched, true);
+            let at = Parameters { span: fragment.span, uv: fragment.uv };
+            let e = only(&enclose(&scene, face, &Known::exact(at), true));
             let (Some(s), Some(n), Some(k)) = (e.position, e.normal, e.curvature) else { continue };
             let quantities: [(&[Interval], &[f32]); 3] =
                 [(&s, &fragment.position), (&n, &fragment.normal), (&k, &fragment.curvature)];

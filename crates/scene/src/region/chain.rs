@@ -1,9 +1,9 @@
 //! One loop as a chain of Bézier segments without gaps.
 
-use super::{Frame, Repairs, Segment};
+use super::{Frame, GAP_FLOOR, Repairs, SMALL, Segment, WideGap};
 use crate::{Loop, SceneError, Trim};
-use glam::DVec2;
-use nurbs::{BezierCurve, Curve, Rectangle};
+use glam::{DVec2, IVec2};
+use nurbs::{BezierCurve, Curve, Hull, Rectangle};
 
 /// Two ends nearer than this share of the domain's length are made one point; farther ones are joined by a segment.
 ///
@@ -25,34 +25,33 @@ pub(super) struct Chain {
 }
 
 impl Chain {
+    /// The loop as a chain; `None` where it is a single point.
     pub(super) fn new(
         frame: &Frame,
         source: usize,
         boundary: &Loop,
         repairs: &mut Repairs,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Option<Self>, SceneError> {
         let face = frame.face;
+        let mut parts: Vec<Vec<BezierCurve>> = vec![];
+        for (trim, curve) in boundary.trims.iter().enumerate() {
+            let part = bezier_segments(curve);
+            parts.push(part.map_err(|cause| SceneError::TrimCurve { face, boundary: source, trim, cause })?);
+        }
+        let joints = Joints { frame, source, boundary, size: size_in_space(frame, &parts) };
         let mut segments: Vec<Segment> = vec![];
         // Whole periods that were taken off the trims so far, so that each begins where the last one ended.
         let mut shift = DVec2::ZERO;
-        for (trim, curve) in boundary.trims.iter().enumerate() {
-            let part = bezier_segments(curve).map_err(|cause| SceneError::TrimCurve {
-                face,
-                boundary: source,
-                trim,
-                cause,
-            })?;
+        for (trim, part) in parts.iter().enumerate() {
             let mut part: Vec<Segment> =
                 part.iter().map(|s| Segment { curve: s.translated(shift), trim: Some(trim) }).collect();
             if let Some(last) = segments.last().map(|s| s.curve.end()) {
-                let joint = frame.joint(last, part[0].curve.start());
-                let joint = joint.map_err(|gap| gap.error(frame, source, trim))?;
-                let offset = -joint.periods.as_dvec2() * frame.domain.size();
+                let periods = joints.heal(trim, last, part[0].curve.start(), repairs)?;
+                let offset = -periods.as_dvec2() * frame.domain.size();
                 if offset != DVec2::ZERO {
                     part = part.iter().map(|s| s.translated(offset)).collect();
                     shift += offset;
                 }
-                repairs.largest_gap = repairs.largest_gap.max(joint.gap);
                 join(frame, &mut segments, part[0].curve.start());
             }
             segments.append(&mut part);
@@ -61,21 +60,27 @@ impl Chain {
             return Err(SceneError::EmptyLoop { face, boundary: source });
         };
         let start = first.curve.start();
-        let joint = frame.joint(last.curve.end(), start).map_err(|gap| gap.error(frame, source, 0))?;
-        repairs.largest_gap = repairs.largest_gap.max(joint.gap);
-        join(frame, &mut segments, start - joint.periods.as_dvec2() * frame.domain.size());
+        let periods = joints.heal(0, last.curve.end(), start, repairs)?;
+        join(frame, &mut segments, start - periods.as_dvec2() * frame.domain.size());
         // Splines that fold to a point are no part of a boundary.
         segments.retain(|s| s.curve.hull().size() != DVec2::ZERO);
         let hull = segments.iter().map(|s| s.curve.hull()).fold(Rectangle::EMPTY, Rectangle::union);
         if segments.is_empty() {
-            return Err(SceneError::EmptyLoop { face, boundary: source });
+            return Ok(None);
         }
-        let periods = [-joint.periods.x, -joint.periods.y];
+        let periods = [-periods.x, -periods.y];
         if periods != [0, 0] {
             repairs.across_seam.push(source);
         }
-        Ok(Self { source, outer: boundary.outer, segments, periods, hull })
+        Ok(Some(Self { source, outer: boundary.outer, segments, periods, hull }))
     }
+}
+
+/// The diagonal of the box in space of a loop's segments, by their ends and middles.
+fn size_in_space(frame: &Frame, parts: &[Vec<BezierCurve>]) -> f64 {
+    let places = parts.iter().flatten().flat_map(|curve| [0.0, 0.5, 1.0].map(|t| frame.wrapped(curve.point(t))));
+    let hull = Hull::of(places.map(|uv| frame.surface.point(uv.x, uv.y)));
+    hull.diagonal()
 }
 
 /// A trim's segments in the loop's direction.
@@ -98,41 +103,58 @@ fn join(frame: &Frame, segments: &mut Vec<Segment>, to: DVec2) {
     }
 }
 
-/// How two trims meet.
-struct Joint {
-    /// Periods from the end of the first to the start of the second.
-    periods: glam::IVec2,
-    /// What is left, model units along the surface.
-    gap: f64,
+/// The joints of a loop, and how wide they may be.
+struct Joints<'a> {
+    frame: &'a Frame<'a>,
+    source: usize,
+    boundary: &'a Loop,
+    /// How large the loop is in space, model units.
+    size: f64,
 }
 
-/// Two trims that do not meet: how far they are apart in space.
-struct Gap(f64);
-
-impl Gap {
-    fn error(self, frame: &Frame, boundary: usize, trim: usize) -> SceneError {
-        SceneError::TrimGap { face: frame.face, boundary, trim, gap: self.0, tolerance: frame.tolerance }
+impl Joints<'_> {
+    /// Heals the joint before trim `trim`, from `a` to `b`, and notes it; returns the whole periods between them.
+    fn heal(&self, trim: usize, a: DVec2, b: DVec2, repairs: &mut Repairs) -> Result<IVec2, SceneError> {
+        let (frame, trims) = (self.frame, &self.boundary.trims);
+        let before = &trims[if trim == 0 { trims.len() - 1 } else { trim - 1 }];
+        let edges = before.edge_tolerance.max(trims[trim].edge_tolerance);
+        let vertex = trims[trim].vertex_tolerance;
+        // Two edges end in one ball.
+        let tolerance = frame.tolerance.max(edges).max(2.0 * vertex.unwrap_or(0.0));
+        let (periods, gap) = frame.joint(a, b);
+        let most = if frame.is_lenient && vertex.is_none() { tolerance.max(SMALL * self.size) } else { tolerance };
+        if gap.is_nan() || most < gap {
+            return Err(SceneError::TrimGap { face: frame.face, boundary: self.source, trim, gap, tolerance });
+        }
+        repairs.largest_gap = repairs.largest_gap.max(gap);
+        if tolerance < gap {
+            repairs.wide_gaps.push(WideGap { boundary: self.source, trim, gap, tolerance });
+        }
+        Ok(periods)
     }
 }
 
 impl Frame<'_> {
-    /// How a trim that ends at `a` meets one that begins at `b`.
+    /// How far apart a trim that ends at `a` and one that begins at `b` are in space, and the whole periods between.
     ///
-    /// First as they stand, which includes any way along a pole; then with whole periods between.
-    fn joint(&self, a: DVec2, b: DVec2) -> Result<Joint, Gap> {
+    /// As they stand where they meet, which includes any way along a pole; else with whole periods where that is nearer.
+    fn joint(&self, a: DVec2, b: DVec2) -> (IVec2, f64) {
         if a == b {
-            return Ok(Joint { periods: glam::IVec2::ZERO, gap: 0.0 });
+            return (IVec2::ZERO, 0.0);
         }
-        let gap = self.distance(a, b);
-        if gap <= self.tolerance {
-            return Ok(Joint { periods: glam::IVec2::ZERO, gap });
+        let direct = self.distance(a, b);
+        let mut periods = ((b - a) / self.domain.size()).round();
+        for axis in [0, 1] {
+            if !self.closed[axis] {
+                periods[axis] = 0.0;
+            }
         }
-        let periods = ((b - a) / self.domain.size()).round();
-        let closed = |axis: usize| periods[axis] == 0.0 || self.is_closed(axis);
         let around = self.distance(a, b - periods * self.domain.size());
-        if periods != DVec2::ZERO && around <= self.tolerance && closed(0) && closed(1) {
-            return Ok(Joint { periods: periods.as_ivec2(), gap: around });
+        let is_joint = direct <= GAP_FLOOR * self.surface.hull().diagonal();
+        if periods != DVec2::ZERO && !is_joint && around < direct {
+            (periods.as_ivec2(), around)
+        } else {
+            (IVec2::ZERO, direct)
         }
-        Err(Gap(gap))
     }
 }

@@ -78,12 +78,6 @@ impl Frame<'_> {
         point
     }
 
-    /// Whether the point lies on a border of the domain.
-    pub(super) fn is_on_border(&self, point: DVec2) -> bool {
-        let snapped = self.snapped(point);
-        snapped.cmpeq(self.domain.min).any() || snapped.cmpeq(self.domain.max).any()
-    }
-
     /// A part that crosses no border, from `start` to `end`, clamped.
     fn part(&self, curve: BezierCurve, start: DVec2, end: DVec2) -> (BezierCurve, bool) {
         let (min, max) = (self.domain.min, self.domain.max);

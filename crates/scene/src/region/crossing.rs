@@ -1,55 +1,352 @@
 //! Whether boundaries cross: of one loop with itself, or of two.
 //!
-//! Touching is legal (a cusp, two holes that meet at a point, an edge run there and back), so that only a crossing
-//! counts from which both curves get away by more than a margin on both sides.
+//! Touching is legal: a cusp, two holes that meet at a point, holes that share sides with their parent, an edge run there
+//! and back. So is what a gap within the tolerance makes: trims that overshoot their joint. Loops cross where the one has
+//! parts inside of the other and parts outside, or encloses a place twice, both by more than a margin: the tolerance, in
+//! space, and a millionth of the domain.
+//!
+//! Curves are first searched for places where they meet. These cut each curve into arcs, and of every arc's middle the two
+//! points a margin to its left and right are asked where they lie. It holds outside the domain, too.
 
-use super::{ClosedLoop, Frame, Piece};
+use super::contour::{Contour, monotone, winding};
+use super::{ClosedLoop, Frame};
 use crate::{SceneError, TrimPlace};
 use glam::DVec2;
 use nurbs::{BezierCurve, Rectangle};
+use std::ops::Range;
 
 /// How far, as a share of the domain's length, two curves must pass through each other to be said to cross.
 const MARGIN: f64 = 1e-6;
 
+/// The widest margin, as a share of the domain, however large the tolerance, or slow the surface at a pole.
+const WIDEST: f64 = 1e-2;
+
 /// Halvings of a pair of pieces before what is left counts as touching.
 const HALVINGS: u32 = 40;
 
-/// The first crossing that is found is an error.
-pub(super) fn check(frame: &Frame, loops: &[ClosedLoop], pieces: &[Piece]) -> Result<(), SceneError> {
-    let size = frame.domain.size();
-    let unit = |c: &BezierCurve| {
-        let points = c.control().iter().map(|p| {
-            let q = (p.truncate() / p.z - frame.domain.min) / size;
-            (q * p.z).extend(p.z)
-        });
-        BezierCurve::new(points.collect())
-    };
-    let mut curves: Vec<(usize, BezierCurve, Rectangle)> = vec![];
-    for (i, piece) in pieces.iter().enumerate().filter(|(_, piece)| !piece.on_border) {
-        // A domain so small that its inverse overflows has no crossing that f64 could name.
-        let Some(curve) = unit(&piece.curve) else { continue };
-        let hull = ends_box(&curve);
-        curves.push((i, curve, hull));
-    }
-    curves.sort_by(|a, b| a.2.min.x.total_cmp(&b.2.min.x));
-    for (k, (i, a, box_a)) in curves.iter().enumerate() {
-        for (j, b, box_b) in curves[k + 1..].iter().take_while(|(_, _, other)| other.min.x <= box_a.max.x) {
-            if box_a.meets(*box_b)
-                && let Some(at) = crossing(a, b, HALVINGS)
-            {
-                return Err(error(frame, loops, [&pieces[*i], &pieces[*j]], at * size + frame.domain.min));
-            }
+/// The sine below which two chords are parallel.
+const PARALLEL: f64 = 1e-9;
+
+/// The most pairs of pieces, halves of them and places that are looked at for one face.
+///
+/// A face of a thousand holes of eight pieces takes 1e6; two circles that are one but for rounding take 1e4.
+const STEPS: usize = 8_000_000;
+
+/// Steps that a meeting counts for, so that the most steps bound memory, too: 100 MB.
+const MEETING_STEPS: usize = 4;
+
+/// A part of a loop on which u and v are both monotone, in shares of the domain.
+struct Piece {
+    curve: BezierCurve,
+    hull: Rectangle,
+    /// Which of the paths it is a part of.
+    path: usize,
+    trim: Option<usize>,
+    /// Where other pieces meet it.
+    meetings: Vec<Meeting>,
+}
+
+#[derive(Clone, Copy)]
+struct Meeting {
+    t: f64,
+    at: DVec2,
+    /// The other piece.
+    other: usize,
+}
+
+/// A closed chain: the range of its pieces.
+struct Path {
+    source: usize,
+    /// Which copy of its loop.
+    copy: usize,
+    pieces: Range<usize>,
+}
+
+/// The first crossing that is found is an error, and so is a loop that overlaps its copy a period on.
+pub(super) fn check(
+    frame: &Frame,
+    rings: &[ClosedLoop],
+    contours: &[Contour],
+    largest_gap: f64,
+) -> Result<(), SceneError> {
+    let mut search =
+        Search { frame, paths: vec![], pieces: vec![], steps: 0, spare: 2.0 * frame.tolerance.max(largest_gap) };
+    for (copy, ring) in rings.iter().enumerate() {
+        if let Some(source) = ring.source {
+            let pieces = ring.segments.iter().flat_map(|s| s.curve.monotone_pieces().into_iter().map(|c| (c, s.trim)));
+            search.add(source, copy, pieces, DVec2::ZERO);
         }
+    }
+    for contour in contours {
+        let pieces: Vec<(BezierCurve, Option<usize>)> = (contour.chain.segments.iter())
+            .flat_map(|s| monotone(std::slice::from_ref(s)).into_iter().map(|c| (c, s.trim)))
+            .collect();
+        for (copy, offset) in contour.copies.iter().enumerate() {
+            search.add(contour.chain.source, copy, pieces.iter().cloned(), *offset);
+        }
+    }
+    search.find_meetings()?;
+    for path in 0..search.paths.len() {
+        search.check_path(path)?;
     }
     Ok(())
 }
 
-fn error(frame: &Frame, loops: &[ClosedLoop], [a, b]: [&Piece; 2], at: DVec2) -> SceneError {
-    // Lists longer than u32 counts do not fit in a file.
-    let index = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
-    let [first, second] = [a, b]
-        .map(|piece| TrimPlace { boundary: loops[piece.loop_index].source.map(index), trim: piece.trim.map(index) });
-    SceneError::TrimsCross { face: frame.face, first, second, at: at.to_array() }
+struct Search<'a> {
+    frame: &'a Frame<'a>,
+    paths: Vec<Path>,
+    pieces: Vec<Piece>,
+    steps: usize,
+    /// The margin in space, model units.
+    spare: f64,
+}
+
+impl Search<'_> {
+    fn add(
+        &mut self,
+        source: usize,
+        copy: usize,
+        pieces: impl IntoIterator<Item = (BezierCurve, Option<usize>)>,
+        offset: DVec2,
+    ) {
+        let (min, size) = (self.frame.domain.min, self.frame.domain.size());
+        let first = self.pieces.len();
+        for (curve, trim) in pieces {
+            let points = curve.control().iter().map(|p| {
+                let q = (p.truncate() / p.z + offset - min) / size;
+                (q * p.z).extend(p.z)
+            });
+            // A domain so small that its inverse overflows has no crossing that f64 could name.
+            let Some(curve) = BezierCurve::new(points.collect()) else { continue };
+            let hull = ends_box(&curve);
+            self.pieces.push(Piece { curve, hull, path: self.paths.len(), trim, meetings: vec![] });
+        }
+        self.paths.push(Path { source, copy, pieces: first..self.pieces.len() });
+    }
+
+    /// Counts work, and refuses more than [`STEPS`].
+    fn step(&mut self, count: usize) -> Result<(), SceneError> {
+        self.steps = self.steps.saturating_add(count);
+        if self.steps <= STEPS { Ok(()) } else { Err(SceneError::TrimWork { face: self.frame.face, limit: STEPS }) }
+    }
+
+    /// Where pieces meet, by a sweep along the axis on which they are short.
+    fn find_meetings(&mut self) -> Result<(), SceneError> {
+        let lengths: DVec2 = self.pieces.iter().map(|piece| piece.hull.size()).sum();
+        let axis = usize::from(lengths.y < lengths.x);
+        let mut order: Vec<usize> = (0..self.pieces.len()).collect();
+        order.sort_by(|a, b| self.pieces[*a].hull.min[axis].total_cmp(&self.pieces[*b].hull.min[axis]));
+        let mut found = vec![];
+        for (k, &i) in order.iter().enumerate() {
+            for &j in &order[k + 1..] {
+                let (a, b) = (&self.pieces[i], &self.pieces[j]);
+                if a.hull.max[axis] < b.hull.min[axis] {
+                    break;
+                }
+                let meets = a.hull.meets(b.hull);
+                self.step(1)?;
+                if !meets {
+                    continue;
+                }
+                let (a, b) = (&self.pieces[i], &self.pieces[j]);
+                found.clear();
+                let mut left = STEPS - self.steps;
+                meet(&Part::of(&a.curve), &Part::of(&b.curve), HALVINGS, &mut found, &mut left);
+                self.step(STEPS - self.steps - left + usize::from(left == 0))?;
+                for &(t, s, at) in &found {
+                    self.pieces[i].meetings.push(Meeting { t, at, other: j });
+                    self.pieces[j].meetings.push(Meeting { t: s, at, other: i });
+                }
+            }
+        }
+        for piece in &mut self.pieces {
+            piece.meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
+        }
+        Ok(())
+    }
+
+    /// Whether a path crosses itself or another one.
+    fn check_path(&mut self, path: usize) -> Result<(), SceneError> {
+        let range = self.paths[path].pieces.clone();
+        // The others that it meets, and whether it meets itself elsewhere than at its joints.
+        let mut met: Vec<usize> = vec![];
+        for i in range.clone() {
+            for meeting in &self.pieces[i].meetings {
+                let other = self.pieces[meeting.other].path;
+                if other != path || !self.is_joint(i, *meeting) {
+                    met.push(other);
+                }
+            }
+        }
+        met.sort_unstable();
+        met.dedup();
+        for other in met {
+            if other == path { self.check_windings(path)? } else { self.check_sides(path, other)? }
+        }
+        Ok(())
+    }
+
+    /// Whether two pieces of a path meet only as neighbours do, where the one begins as the other ends.
+    fn is_joint(&self, piece: usize, meeting: Meeting) -> bool {
+        let Range { start, end } = self.paths[self.pieces[piece].path].pieces.clone();
+        let next = |i: usize| if i + 1 == end { start } else { i + 1 };
+        let joint =
+            |a: usize, b: usize| next(a) == b && self.is_within_margin(self.pieces[b].curve.start(), meeting.at);
+        joint(piece, meeting.other) || joint(meeting.other, piece)
+    }
+
+    fn is_within_margin(&self, joint: DVec2, at: DVec2) -> bool {
+        let way = at - joint;
+        way.length() <= self.margin(joint, way.normalize_or_zero())
+    }
+
+    /// A path that meets itself: it encloses each place at most once, and all in the same direction.
+    fn check_windings(&mut self, path: usize) -> Result<(), SceneError> {
+        let range = self.paths[path].pieces.clone();
+        let mut seen = [0; 2];
+        let mut last = None;
+        for i in range.clone() {
+            for arc in self.arcs(i) {
+                self.step(2 * range.len())?;
+                last = arc
+                    .from
+                    .filter(|m| self.pieces[m.other].path == path && !self.is_joint(i, *m))
+                    .map(|m| (i, m))
+                    .or(last);
+                for point in arc.beside {
+                    let winding = winding(self.pieces[range.clone()].iter().map(|p| &p.curve), point);
+                    seen = [seen[0].min(winding), seen[1].max(winding)];
+                }
+                if 1 < seen[1] - seen[0] {
+                    let next = self.next_meeting(i, arc.end, path);
+                    let (piece, meeting) = last.or(next).expect("a path is checked where it meets itself");
+                    return Err(self.crossing(piece, meeting));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The first meeting of `path` with itself from parameter `t` of a piece on, elsewhere than at joints.
+    fn next_meeting(&self, piece: usize, t: f64, path: usize) -> Option<(usize, Meeting)> {
+        let range = self.paths[path].pieces.clone();
+        let from = |i: usize| if i == piece { t } else { 0.0 };
+        let meetings = (piece..range.end).chain(range.clone());
+        meetings
+            .flat_map(|i| self.pieces[i].meetings.iter().map(move |m| (i, *m)))
+            .find(|(i, m)| from(*i) <= m.t && self.pieces[m.other].path == path && !self.is_joint(*i, *m))
+    }
+
+    /// Two paths that meet: all of the one is inside the other, or all of it outside.
+    fn check_sides(&mut self, path: usize, other: usize) -> Result<(), SceneError> {
+        let (range, holder) = (self.paths[path].pieces.clone(), self.paths[other].pieces.clone());
+        let is_copy =
+            self.paths[path].source == self.paths[other].source && self.paths[path].copy != self.paths[other].copy;
+        let mut last = None;
+        let mut side = None;
+        for i in range {
+            for arc in self.arcs(i) {
+                self.step(2 * holder.len())?;
+                last = arc.from.filter(|m| self.pieces[m.other].path == other).map(|m| (i, m)).or(last);
+                let is_inside =
+                    arc.beside.map(|p| winding(self.pieces[holder.clone()].iter().map(|p| &p.curve), p) != 0);
+                if is_inside[0] != is_inside[1] {
+                    continue;
+                }
+                if is_copy && is_inside[0] {
+                    let at = self.in_parameters(arc.beside[0]);
+                    return Err(SceneError::LoopOverlap {
+                        face: self.frame.face,
+                        boundary: self.paths[path].source,
+                        at,
+                    });
+                }
+                if side.is_some_and(|side| side != is_inside[0]) {
+                    let any = || self.any_meeting(path, other);
+                    let (piece, meeting) = last.or_else(any).expect("the paths meet");
+                    return Err(self.crossing(piece, meeting));
+                }
+                side = Some(is_inside[0]);
+            }
+        }
+        Ok(())
+    }
+
+    fn any_meeting(&self, path: usize, other: usize) -> Option<(usize, Meeting)> {
+        let range = self.paths[path].pieces.clone();
+        let mut meetings = range.flat_map(|i| self.pieces[i].meetings.iter().map(move |m| (i, *m)));
+        meetings.find(|(_, m)| self.pieces[m.other].path == other)
+    }
+
+    /// The arcs of a piece between its meetings that count: inside the domain where the surface is closed, for there
+    /// each loop is repeated; not what closes a ring, and not along a seam, over which others may go.
+    fn arcs(&self, index: usize) -> Vec<Arc> {
+        let piece = &self.pieces[index];
+        let mut arcs = vec![];
+        let (mut start, mut from) = (0.0, None);
+        let end = Meeting { t: 1.0, at: piece.curve.end(), other: index };
+        for (k, meeting) in piece.meetings.iter().chain([&end]).enumerate() {
+            let [a, b] = [start, meeting.t].map(|t| piece.curve.point(t));
+            if MARGIN < a.distance(b) {
+                let middle = piece.curve.point(0.5 * (start + meeting.t));
+                let across = (b - a).perp().normalize_or_zero();
+                let margin = self.margin(middle, across);
+                let beside = [middle + margin * across, middle - margin * across];
+                let counts = |axis: usize| !self.frame.closed[axis] || (0.0..=1.0).contains(&middle[axis]);
+                let is_in_domain = middle.cmpge(DVec2::ZERO).all() && middle.cmple(DVec2::ONE).all();
+                let closes_ring = piece.trim.is_none() && !is_in_domain;
+                if counts(0) && counts(1) && !closes_ring && !self.is_on_seam(piece) {
+                    arcs.push(Arc { from, end: meeting.t, beside });
+                }
+            }
+            if k < piece.meetings.len() {
+                (start, from) = (meeting.t, Some(*meeting));
+            }
+        }
+        arcs
+    }
+
+    fn is_on_seam(&self, piece: &Piece) -> bool {
+        let ends = [piece.curve.start(), piece.curve.end()];
+        let is_along = |axis: usize, border: f64| ends.iter().all(|end| (end[axis] - border).abs() <= MARGIN);
+        (0..2).any(|axis| self.frame.closed[axis] && [0.0, 1.0].iter().any(|&border| is_along(axis, border)))
+    }
+
+    /// How far a point on one side of a curve must be from it, in shares of the domain, in a direction of such.
+    fn margin(&self, at: DVec2, direction: DVec2) -> f64 {
+        let size = self.frame.domain.size();
+        let uv =
+            self.frame.wrapped(self.frame.domain.min + at * size).clamp(self.frame.domain.min, self.frame.domain.max);
+        let d = self.frame.surface.first_derivatives(uv.x, uv.y);
+        let speed = (d.su * (direction.x * size.x) + d.sv * (direction.y * size.y)).length();
+        let margin = self.spare / speed;
+        // Where the surface does not move, no number of parameters is the spare.
+        if margin < WIDEST { margin.max(MARGIN) } else { WIDEST }
+    }
+
+    fn in_parameters(&self, at: DVec2) -> [f64; 2] {
+        (self.frame.domain.min + at * self.frame.domain.size()).to_array()
+    }
+
+    fn crossing(&self, piece: usize, meeting: Meeting) -> SceneError {
+        // Lists longer than u32 counts do not fit in a file.
+        let index = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
+        let [first, second] = [&self.pieces[piece], &self.pieces[meeting.other]].map(|piece| TrimPlace {
+            boundary: Some(index(self.paths[piece.path].source)),
+            trim: piece.trim.map(index),
+        });
+        SceneError::TrimsCross { face: self.frame.face, first, second, at: self.in_parameters(meeting.at) }
+    }
+}
+
+/// A stretch of a piece between two meetings.
+struct Arc {
+    /// The meeting at which it begins; `None` at the piece's own start.
+    from: Option<Meeting>,
+    /// The parameter at which it ends.
+    end: f64,
+    /// Points a margin to the left and to the right of its middle.
+    beside: [DVec2; 2],
 }
 
 /// The box of a monotone curve is that of its ends.
@@ -58,35 +355,80 @@ fn ends_box(curve: &BezierCurve) -> Rectangle {
     Rectangle { min: a.min(b), max: a.max(b) }
 }
 
-/// A point at which two monotone curves cross, of several any.
-fn crossing(a: &BezierCurve, b: &BezierCurve, halvings: u32) -> Option<DVec2> {
-    if !ends_box(a).meets(ends_box(b)) || halvings == 0 {
-        return None;
-    }
-    let (bent_a, bent_b) = (bend(a), bend(b));
-    if bent_a.max(bent_b) <= 0.5 * MARGIN {
-        return chords_cross([a.start(), a.end()], [b.start(), b.end()]);
-    }
-    if bent_a < bent_b {
-        let halves = b.split(0.5);
-        return halves.iter().find_map(|half| crossing(a, half, halvings - 1));
-    }
-    let halves = a.split(0.5);
-    halves.iter().find_map(|half| crossing(half, b, halvings - 1))
+/// A part of a piece, and the parameters of its ends there.
+struct Part {
+    curve: BezierCurve,
+    range: [f64; 2],
+    /// How far the control points are from the chord.
+    bend: f64,
 }
 
-/// How far the control points are from the chord.
+impl Part {
+    fn of(curve: &BezierCurve) -> Self {
+        Self { bend: bend(curve), range: [0.0, 1.0], curve: curve.clone() }
+    }
+
+    fn halves(&self) -> [Self; 2] {
+        let middle = 0.5 * (self.range[0] + self.range[1]);
+        let ranges = [[self.range[0], middle], [middle, self.range[1]]];
+        let [low, high] = self.curve.split(0.5);
+        [(low, ranges[0]), (high, ranges[1])].map(|(curve, range)| Self { bend: bend(&curve), range, curve })
+    }
+
+    fn at(&self, share: f64) -> f64 {
+        self.range[0] + (self.range[1] - self.range[0]) * share
+    }
+}
+
+/// Adds the places at which two monotone curves meet, with the parameter of each; ends early where `left` steps are gone.
+fn meet(a: &Part, b: &Part, halvings: u32, found: &mut Vec<(f64, f64, DVec2)>, left: &mut usize) {
+    if *left == 0 || halvings == 0 || !ends_box(&a.curve).meets(ends_box(&b.curve)) {
+        return;
+    }
+    *left -= 1;
+    let is_same = a.curve == b.curve;
+    if is_same || a.curve == b.curve.reversed() {
+        // One curve twice: they meet all along, and what follows tells their sides apart.
+        let [start, end] = if is_same { b.range } else { [b.range[1], b.range[0]] };
+        found.extend([(a.range[0], start, a.curve.start()), (a.range[1], end, a.curve.end())]);
+        *left = left.saturating_sub(2 * MEETING_STEPS);
+    } else if a.bend.max(b.bend) <= 0.5 * MARGIN {
+        let chords = [[a.curve.start(), a.curve.end()], [b.curve.start(), b.curve.end()]];
+        let meetings = chords_meet(chords);
+        *left = left.saturating_sub(meetings.len() * MEETING_STEPS);
+        found.extend(meetings.into_iter().map(|(s, t, at)| (a.at(s), b.at(t), at)));
+    } else if a.bend < b.bend {
+        b.halves().iter().for_each(|half| meet(a, half, halvings - 1, found, left));
+    } else {
+        a.halves().iter().for_each(|half| meet(half, b, halvings - 1, found, left));
+    }
+}
+
 fn bend(curve: &BezierCurve) -> f64 {
     let (a, b) = (curve.start(), curve.end());
     let along = (b - a).normalize_or_zero();
     curve.control().iter().map(|c| (c.truncate() / c.z - a).perp_dot(along).abs()).fold(0.0, f64::max)
 }
 
-/// Where two segments cross, if each end is more than the margin from the other's line.
-fn chords_cross([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> Option<DVec2> {
-    let (along, across) = ((b - a).normalize_or_zero(), (d - c).normalize_or_zero());
-    let sides = |from: DVec2, line: DVec2, p: DVec2, q: DVec2| (line.perp_dot(p - from), line.perp_dot(q - from));
-    let apart = |(p, q): (f64, f64)| p * q < 0.0 && MARGIN < p.abs() && MARGIN < q.abs();
-    let (of_cd, of_ab) = (sides(a, along, c, d), sides(c, across, a, b));
-    (apart(of_cd) && apart(of_ab)).then(|| c + (d - c) * (of_cd.0 / (of_cd.0 - of_cd.1)))
+/// Where two segments meet, as shares of each: a point; or, where they run side by side, the ends of what they share.
+fn chords_meet([[a, b], [c, d]]: [[DVec2; 2]; 2]) -> Vec<(f64, f64, DVec2)> {
+    let (ab, cd) = (b - a, d - c);
+    let area = ab.perp_dot(cd);
+    if area.abs() <= PARALLEL * ab.length() * cd.length() {
+        let share = |from: DVec2, way: DVec2, p: DVec2| (p - from).dot(way) / way.length_squared();
+        let on = |from: DVec2, way: DVec2, p: DVec2| {
+            let s = share(from, way, p);
+            let is_on = (0.0..=1.0).contains(&s) && (p - from - way * s).length() <= MARGIN;
+            is_on.then_some(s)
+        };
+        let of_cd = [(c, 0.0), (d, 1.0)].into_iter().filter_map(|(p, t)| Some((on(a, ab, p)?, t, p)));
+        let of_ab = [(a, 0.0), (b, 1.0)].into_iter().filter_map(|(p, s)| Some((s, on(c, cd, p)?, p)));
+        return of_cd.chain(of_ab).collect();
+    }
+    let (s, t) = ((c - a).perp_dot(cd) / area, (c - a).perp_dot(ab) / area);
+    // An end that all but reaches the other segment meets it.
+    let slack = |way: DVec2| MARGIN / way.length();
+    let reaches = |x: f64, slack: f64| -slack <= x && x <= 1.0 + slack;
+    let meets = reaches(s, slack(ab)) && reaches(t, slack(cd));
+    meets.then(|| (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0), a + ab * s)).into_iter().collect()
 }

@@ -2,12 +2,13 @@
 //!
 //! A ring is unrolled over the domain and closed beyond the far border of the other direction, so that it encloses
 //! what lies above it. Rings do not cross, so that material and none alternate from one to the next; the lowest one's
-//! own direction says on which side of it material is, and whether the natural boundary below belongs to it.
+//! own direction says on which side of it material is, and whether the natural boundary below belongs to it. Where the
+//! surface is closed in the other direction, too, there is no boundary below, and an odd number of rings bounds nothing.
 
 use super::{ClosedLoop, Frame, Repairs, Segment};
 use crate::SceneError;
 use crate::region::chain::Chain;
-use crate::region::nesting::signed_area;
+use crate::region::contour::signed_area;
 use glam::DVec2;
 
 /// How many copies on either side of the domain are unrolled: a ring begins at most a period off, and may lean by one.
@@ -22,6 +23,10 @@ pub(super) fn close(frame: &Frame, rings: &[Chain], repairs: &mut Repairs) -> Re
             let [u, v] = ring.periods;
             return Err(SceneError::LoopPeriod { face: frame.face, boundary: ring.source, u, v });
         }
+    }
+    if rings.len() % 2 == 1 && frame.closed[1 - axis] {
+        let boundaries = rings.iter().map(|ring| ring.source).collect();
+        return Err(SceneError::OddRings { face: frame.face, boundaries });
     }
     let mut closed: Vec<Unrolled> = vec![];
     for ring in rings {
@@ -53,7 +58,7 @@ fn offsets_across(frame: &Frame, ring: &Chain, across: usize) -> impl Iterator<I
     let (period, min, max) = (frame.domain.size()[across], frame.domain.min[across], frame.domain.max[across]);
     let (low, high) = (ring.hull.min[across], ring.hull.max[across]);
     let is_inside = min <= low && high <= max;
-    let is_repeated = !is_inside && frame.is_closed(across);
+    let is_repeated = !is_inside && frame.closed[across];
     let base = if is_repeated { -((0.5 * (low + high) - min) / period).floor() } else { 0.0 };
     let copies = if is_repeated { -1..=1 } else { 0..=0 };
     let offset = move |copy: i32| (base + f64::from(copy)) * period;
