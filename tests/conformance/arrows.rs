@@ -19,7 +19,7 @@ const ARROWS: &[(&str, &[&str])] = &[
 ];
 
 /// On top of all: these may use any crate.
-const ON_TOP: &[&str] = &["xtask", "conformance"];
+const ON_TOP: &[&str] = &["xtask", "conformance", "fuzz"];
 
 /// Crates and the workspace crates that they use, not counting what only their own tests use.
 fn drawn(metadata: &Value) -> BTreeMap<String, BTreeSet<String>> {

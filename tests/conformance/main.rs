@@ -9,6 +9,7 @@ mod folds;
 mod foreign;
 mod golden;
 mod judging;
+mod licences;
 mod rays;
 mod samples;
 mod three_way;

@@ -220,10 +220,10 @@ fn answer(
         Format::Json => terminal::json(report)?,
         Format::Table => {
             terminal::show(&Picture::beside(&pictures.views()?.iter().collect::<Vec<_>>()))?;
-            print()?;
             if let Some(folder) = &args.out {
                 say!("pictures and report.json are in {}", folder.display())?;
             }
+            print()?;
         }
     }
     Ok(())

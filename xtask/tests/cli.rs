@@ -195,7 +195,7 @@ fn a_saved_gbuffer_is_judged_with_the_same_report_pictures_and_exit_codes() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
     assert_eq!((&report["model"], &report["size"]), (&json!("teapot"), &json!([64, 64])));
-    assert_eq!(report["files"][0]["renderer"], json!("numpy-example"));
+    assert_eq!(report["files"][0]["renderer"], "numpy-example");
     assert_eq!((&report["pairs"][0]["verdict"], &report["pairs"][0]["causes"]), (&json!("agree"), &json!({})));
     for name in ["raycast.png", "numpy-example.png", "difference-raycast-numpy-example.png", "report.json"] {
         assert!(out.join(name).exists(), "{name}");

@@ -13,6 +13,9 @@ pub const UNDECIDED_SHARE: f64 = 1e-3;
 /// The share of covered pixels that may have no verdict for want of a bound, unless a scene states another.
 pub const UNBOUNDED_SHARE: f64 = 1e-2;
 
+/// How many of the worst of each cause it keeps at least.
+pub(crate) const WORST_OF_CAUSE: usize = 2;
+
 /// The answer for a pair of renderers. The greater wins where several are put together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -293,11 +296,16 @@ impl PairReport {
     }
 }
 
-/// Sorts worst first (ties by position) and drops the rest.
+/// Sorts worst first (ties by position) and drops the rest, but for the worst two of each cause.
 pub(crate) fn keep_worst(pixels: &mut Vec<PixelReport>) {
     let place = |pixel: &PixelReport| (pixel.y, pixel.x, pixel.sample);
     pixels.sort_by(|a, b| b.excess.total_cmp(&a.excess).then(place(a).cmp(&place(b))));
-    pixels.truncate(WORST);
+    let (mut place, mut of_cause) = (0, BTreeMap::<Cause, usize>::new());
+    pixels.retain(|pixel| {
+        let seen = of_cause.entry(pixel.cause).or_default();
+        (place, *seen) = (place + 1, *seen + 1);
+        place <= WORST || *seen <= WORST_OF_CAUSE
+    });
 }
 
 #[cfg(test)]

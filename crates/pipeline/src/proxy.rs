@@ -133,7 +133,7 @@ impl Proxy {
             .into_par_iter()
             .map(|id| {
                 let of_patch = |patch: &BezierPatch| {
-                    let hull = patch.hull();
+                    let hull = close_hull(patch, HULL_HALVINGS);
                     let pixel = if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY };
                     (patch.derivative_bounds(), patch.domain.map(|[start, end]| end - start), pixel)
                 };
@@ -354,6 +354,24 @@ impl Wanted {
         }
         cells
     }
+}
+
+/// A patch whose weights vary by more than this reaches far less far than its control points.
+const WEIGHTS_VARY: f64 = 1.5;
+
+/// Halvings both ways of such a patch, for its box.
+const HULL_HALVINGS: u32 = 4;
+
+/// A box that holds a patch: that of its control points, or where weights vary, of those of its quarters' quarters.
+fn close_hull(patch: &BezierPatch, halvings: u32) -> Hull {
+    let weights = patch.control.iter().map(|c| c.w);
+    let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(least, most), w| (least.min(w), most.max(w)));
+    if halvings == 0 || most <= WEIGHTS_VARY * least {
+        return patch.hull();
+    }
+    let [u, v] = patch.domain.map(|[start, end]| 0.5 * (start + end));
+    let quarters = patch.split_u(u).into_iter().flat_map(|half| half.split_v(v));
+    quarters.map(|part| close_hull(&part, halvings - 1)).reduce(Hull::union).expect("four quarters")
 }
 
 fn total(cells: &[usize]) -> f64 {

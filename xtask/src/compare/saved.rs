@@ -9,6 +9,7 @@ use crate::antialias::Antialias;
 use crate::say;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
+use crate::text::escaped;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
 use compare::{Deviation, Judge, PairReport};
@@ -396,14 +397,15 @@ impl<'a> FileReport<'a> {
 }
 
 fn print(report: &Report) -> Result<()> {
-    say!("{}, {}x{}", report.model, report.size[0], report.size[1])?;
+    say!("{}, {}x{}", escaped(report.model), report.size[0], report.size[1])?;
     for FileReport { file, renderer, technique, adapter, version, covered, .. } in &report.files {
         let adapter = adapter.map_or(String::new(), |name| format!(" on {name:?}"));
+        let [file, renderer, technique] = [file.as_str(), renderer, technique].map(escaped);
         say!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered")?;
     }
     table::pairs(report.pairs)?;
     if report.undecided > 0 {
         say!("the ray caster left {} pixels undecided", report.undecided)?;
     }
-    Ok(())
+    say!("{}", table::verdict(report.pairs, None, 0))
 }

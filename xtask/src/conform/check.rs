@@ -7,6 +7,7 @@ use super::run::CPU;
 use super::wrong::Vacuity;
 use anyhow::{Context, Result, bail, ensure};
 use compare::{Cause, Counts, UNANSWERED_SHARE, Verdict};
+use pipeline::Technique;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How a picture begins: nothing else may stand in the page.
@@ -74,12 +75,18 @@ fn check_case(report: &Report, case: &Case, planned: &PlannedCase, unbounded_sha
         let Some(subject) = subject.filter(|_| once.insert(&outcome.subject)) else {
             bail!("{} is not a subject, or there twice", outcome.subject);
         };
-        check_outcome(outcome, subject, pixels, unbounded_share)?;
+        check_outcome(outcome, subject, pixels, &case.key.technique, unbounded_share)?;
     }
     Ok(())
 }
 
-fn check_outcome(outcome: &Outcome, subject: &Subject, pixels: usize, unbounded_share: f64) -> Result<()> {
+fn check_outcome(
+    outcome: &Outcome,
+    subject: &Subject,
+    pixels: usize,
+    technique: &str,
+    unbounded_share: f64,
+) -> Result<()> {
     check_picture(&outcome.picture)?;
     outcome.wrong.as_ref().map_or(Ok(()), check_wrong)?;
     let expected: &[[&str; 2]] = match subject.kind.as_str() {
@@ -95,14 +102,14 @@ fn check_outcome(outcome: &Outcome, subject: &Subject, pixels: usize, unbounded_
         subject.name
     );
     for pair in &outcome.pairs {
-        check_pair(pair, pixels, unbounded_share)
+        check_pair(pair, pixels, technique, unbounded_share)
             .with_context(|| format!("{} | {}", pair.reference, pair.candidate))?;
     }
     Ok(())
 }
 
 /// The counts of a pair do not contradict each other, and allow its verdict.
-fn check_pair(pair: &Pair, pixels: usize, unbounded_share: f64) -> Result<()> {
+fn check_pair(pair: &Pair, pixels: usize, technique: &str, unbounded_share: f64) -> Result<()> {
     check_picture(&pair.difference)?;
     let [full, partial, none] = pair.coverage;
     let sum = |counts: &mut dyn Iterator<Item = usize>| counts.fold(0, usize::saturating_add);
@@ -127,7 +134,9 @@ fn check_pair(pair: &Pair, pixels: usize, unbounded_share: f64) -> Result<()> {
     let reasons = sum(&mut pair.unbounded_causes.values().copied());
     ensure!(reasons == pair.unbounded, "{} pixels have no bound, by reasons {reasons}", pair.unbounded);
     let counts = Counts { covered: pair.covered, differing, undecided, unanswered, unbounded: pair.unbounded };
-    let (verdict, why) = counts.verdict(UNANSWERED_SHARE, unbounded_share);
+    // Only a search for roots may be without an answer here and there.
+    let unanswered_share = if technique == Technique::Exact.name() { UNANSWERED_SHARE } else { 0.0 };
+    let (verdict, why) = counts.verdict(unanswered_share, unbounded_share);
     if pair.agree {
         let why = why.unwrap_or_else(|| format!("{differing} pixels differ"));
         ensure!(verdict == Verdict::Agree, "it says that all agree, and {why}");

@@ -252,7 +252,7 @@ pub struct SceneInfo {
     pub model: String,
     /// What it stresses.
     pub stresses: String,
-    /// The share of covered pixels that may have no bound.
+    /// The share of covered pixels that may have no verdict for want of a bound.
     pub unbounded_share: f64,
 }
 

@@ -161,10 +161,8 @@ pub struct Pair {
     /// Covered pixels without a verdict for want of a bound.
     pub unbounded: usize,
     /// The same by reason.
-    #[serde(default)]
     pub unbounded_causes: BTreeMap<String, usize>,
     /// Pixels among `causes` for which the candidate says that it has no answer, as a few may: they do not differ.
-    #[serde(default)]
     pub unanswered: usize,
     /// Pixels where f32 leaves a decision open.
     pub ambiguous: usize,

@@ -63,7 +63,7 @@ pub fn text(report: &Report) -> String {
             let _ = writeln!(out, "  {}: {}", escaped(&key), escaped(&reason));
         }
         for (reason, count) in without_verdict(report, subject) {
-            let _ = writeln!(out, "  {count} pixels without a verdict: {reason}");
+            let _ = writeln!(out, "  {count} pixels without a verdict: {}", escaped(reason));
         }
         let missing = report.missing(&subject.id);
         if let Some(why) = &subject.failure {

@@ -180,24 +180,25 @@ fn what_a_report_says_of_itself_is_not_believed() {
         &[&named[..], &["40 pixels differ"]].concat(),
     );
     refused(&of_pair(&|pair| pair.differing = 40), &[&named[..], &["40 pixels differ, by causes 0"]].concat());
-    refused(&of_pair(&|pair| pair.unbounded = pair.covered), &[&named[..], &["no bound, by reasons 0"]].concat());
+    refused(&of_pair(&|pair| pair.unbounded = pair.covered), &[&named[..], &["by reasons 0"]].concat());
     refused(
         &of_pair(&|pair| {
-            pair.unbounded = pair.covered / 2;
-            pair.unbounded_causes = [("normal without a bound in f32".to_owned(), pair.unbounded)].into();
+            pair.unbounded = pair.covered;
+            pair.unbounded_causes = [("a pole".to_owned(), pair.covered)].into();
         }),
-        &[&named[..], &["no useful bound"]].concat(),
+        &[&named[..], &["says that all agree", "has a verdict"]].concat(),
     );
-    refused(&of_pair(&|pair| pair.unanswered = 1), &[&named[..], &["no answer"]].concat());
+    refused(&of_pair(&|pair| pair.unanswered = 7), &["7 pixels have no answer"]);
     refused(&of_pair(&|pair| pair.causes = [("undecided".to_owned(), 99)].into()), &["undecided"]);
     refused(
         &of_pair(&|pair| {
             pair.covered = 0;
             pair.unbounded = 0;
+            pair.unbounded_causes.clear();
             pair.ambiguous = 0;
             pair.coverage = [0, 0, 64 * 64];
         }),
-        &[&named[..], &["nothing was compared"]].concat(),
+        &[&named[..], &["neither covers"]].concat(),
     );
     refused(&of_pair(&|pair| pair.covered = usize::MAX), &["covered"]);
     refused(&of_pair(&|pair| pair.coverage = [usize::MAX; 3]), &["coverage"]);
@@ -246,7 +247,9 @@ fn hostile_shards_are_refused_for_what_is_wrong_with_them() {
     for (name, words) in [("short-plan.json", "corpus"), ("huge-shard.json", "at most 1000 parts")] {
         // As it is, of a layout of before; and brought up to date but for what is wrong with it.
         let old = hostile(name);
-        let mut new = old.clone();
+        let members = "\"unanswered\":0,\"unbounded_causes\":{},\"ambiguous\":";
+        let new = old.to_string().replace("\"ambiguous\":", members);
+        let mut new: Value = serde_json::from_str(&new).expect("JSON");
         new["schema_version"] = 2.into();
         new["corpus"] = whole.corpus.clone().into();
         for (label, document, words) in [("old", old, "schema_version 1"), ("new", new, words)] {
