@@ -35,7 +35,7 @@ const LISTED: usize = 20;
 struct Target {
     seeds: Vec<Vec<u8>>,
     /// Whether it takes the file; what it says of one that it does not take.
-    read: Box<dyn Fn(&Path, &[u8]) -> Result<()>>,
+    read: Read,
     /// Whether inputs are zip archives, whose entries are changed behind their checksums.
     zipped: bool,
 }

@@ -7,7 +7,6 @@ mod verdicts;
 use std::path::PathBuf;
 
 /// Where a file of `testdata/field` lies.
-#[allow(dead_code)] // until its modules are filled
 fn field(name: &str) -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../testdata/field")).join(format!("{name}.json"))
 }

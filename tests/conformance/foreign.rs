@@ -65,7 +65,7 @@ fn cast(buffer: &GBuffer, shift: f64, aim: impl Fn(&Caster, Ray) -> Ray) -> GBuf
 
 fn teapot(buffer: &GBuffer) -> (Model, Camera, Viewport) {
     let model = formats::builtin("teapot").expect("built in");
-    let camera = serde_json::from_value(buffer.meta().camera.clone()).expect("the camera of the file");
+    let camera = serde_json::from_value(buffer.meta().camera.clone()).expect("a camera");
     (model, camera, buffer.viewport())
 }
 

@@ -1,6 +1,6 @@
 //! The three renderers agree on every model of the first release, from everywhere.
 
-use compare::{PairReport, UNBOUNDED_SHARE, Verdict};
+use compare::{PairReport, Verdict};
 use gbuffer::{ShadeKind, Shading};
 use glam::DVec3;
 use pipeline::{Scheme, Technique};
@@ -186,10 +186,7 @@ fn real_models_that_need_another_eye_agree_too() {
         let model = formats::read(file).expect("a readable case");
         let caster = Caster::new(&model);
         let camera = Camera::framing(&model, viewport);
-        // On the narrowest spans of `tiny_0` f32 loses the second derivatives, and with them the curvatures.
-        let unbounded_share = if model.name() == "tiny_0" { 0.1 } else { UNBOUNDED_SHARE };
-        let plan = Plan { unbounded_share, ..Plan::default() };
-        let stage = Stage::new(&model, camera, viewport, plan).expect("a stage");
+        let stage = Stage::new(&model, camera, viewport, Plan::default()).expect("a stage");
         let (raycast, raster) = (stage.raycast(&caster), stage.raster());
         let on_gpu = stage.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer;
         let pairs = [
@@ -198,6 +195,11 @@ fn real_models_that_need_another_eye_agree_too() {
             stage.against_raster(&raster, &on_gpu),
         ]
         .map(|pair| pair.expect("comparable"));
+        // Large weights: the chord bound of a whole piece says nothing of its triangles.
+        if model.name() == "weights_2" {
+            assert_eq!([0, 1].map(|k| pairs[k].verdict), [Verdict::NoVerdict; 2], "{:?}", pairs[0].reasons());
+            continue;
+        }
         failures.extend(words(model.name(), "framed", &pairs));
     }
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));

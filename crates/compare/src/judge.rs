@@ -19,9 +19,6 @@ const FOLLOWED_PX: f64 = 8.0;
 /// Steps of that search at most: it converges quadratically, but close by a fold.
 const FOLLOWING_STEPS: u32 = 24;
 
-/// As near to a knot as this, in units of 2⁻²⁴ of the domain, parameters of f32 may belong to the piece on its other side.
-const PIECE_ULPS: f64 = 2.0;
-
 /// An offset from a picture position that counts as none, pixels.
 const FOUND_PX: f64 = 1e-7;
 
@@ -306,20 +303,25 @@ impl<'m> Judge<'m> {
         None
     }
 
-    /// The Bézier pieces, in the order of [`nurbs::Surface::bezier_patches`], that a hit's parameters may belong to: at a
-    /// knot those on its either side.
+    /// The Bézier pieces, in the order of [`nurbs::Surface::bezier_patches`], that a hit's parameters belong to: the one
+    /// that it states rightly, else, on a knot, those on its either side.
     pub(crate) fn pieces(&self, hit: &Hit) -> impl Iterator<Item = usize> {
-        let surface = self.model.surface(hit.face);
-        let near = |direction: Direction, t: f64| {
+        let spans = &self.spans[self.model.faces()[hit.face.0 as usize].surface];
+        let (surface, stated) = (self.model.surface(hit.face), self.local(hit));
+        let on = move |k: usize, direction: Direction| {
             let knots = surface.knots(direction);
-            let slack = PIECE_ULPS / (1u64 << 24) as f64 * knots.length();
-            let (own, all) = (knots.find_span(t), knots.knots());
-            let is_near = move |k: usize| k == own || all[k] <= t + slack && t - slack <= all[k + 1];
-            knots.spans().enumerate().filter(move |(_, k)| is_near(*k)).map(|(place, _)| place)
+            let (t, (start, end)) = (hit.uv[k], knots.domain());
+            let (all, own) = (knots.knots(), knots.find_span(t));
+            // What f64 may lose of the way to the knot domain.
+            let slack = 4.0 * f64::EPSILON * (start.abs() + end.abs());
+            let is_on = move |number: usize, span: usize| match stated {
+                Some(local) => number == local.span[k] as usize,
+                None => span == own || all[span] <= t + slack && t - slack <= all[span + 1],
+            };
+            spans[k].iter().enumerate().filter(move |(number, span)| is_on(*number, **span)).map(|(number, _)| number)
         };
-        let columns = surface.knots(Direction::V).spans().count();
-        let v = hit.uv.y;
-        near(Direction::U, hit.uv.x).flat_map(move |k| near(Direction::V, v).map(move |l| k * columns + l))
+        let columns = spans[1].len();
+        on(0, Direction::U).flat_map(move |k| on(1, Direction::V).map(move |l| k * columns + l))
     }
 
     /// Whether f64 tells places at a hit's parameters apart as well as f32 does on a Bézier piece of its own.

@@ -143,7 +143,9 @@ impl Pair<'_, '_> {
         let along_ray = |s: DVec3| (s - ray.origin).dot(ray.direction);
         let stated = candidate;
         let candidate = &Hit { t: along_ray(s), ..*stated };
-        let reference = reference.map(|r| Hit { t: along_ray(self.judge.surface_point(r)), ..*r });
+        // A ray caster that was asked here and now is believed.
+        let seen = |r: &Hit| if self.exact { r.t } else { along_ray(self.judge.surface_point(r)) };
+        let reference = reference.map(|r| Hit { t: seen(r), ..*r });
         let reference = reference.as_ref();
         let bound = self.bound_of_shown(candidate, s, radius);
         self.check_bound(&bound)?;

@@ -131,17 +131,13 @@ fn an_eye_on_the_surface_gets_no_agreement_over_an_empty_picture() {
 fn a_pair_that_shows_nothing_has_no_verdict_and_ends_no_other() {
     let model = model("25-sliver-100000");
     let caster = Caster::new(&model);
-    // A picture in which rays through centres hit it and no triangle covers one.
-    let (stage, rendered) = (96..160)
-        .map(|width| {
-            let viewport = Viewport::new(width, 96).expect("a legal size");
-            let camera = Camera::framing(&model, viewport);
-            let stage = Stage::new(&model, camera, viewport, Plan::default()).expect("a stage");
-            let rendered = stage.render(&caster, None, None);
-            (stage, rendered)
-        })
-        .find(|(_, rendered)| rendered.raycast.covered() > 0 && rendered.raster.covered() == 0)
-        .expect("one of the pictures is of that kind");
+    let stages = (24..256).step_by(8).map(|side| {
+        let viewport = Viewport::new(side, side).expect("a legal size");
+        Stage::new(&model, Camera::framing(&model, viewport), viewport, Plan::default()).expect("a stage")
+    });
+    let is_of_that_kind = |stage: &Stage| stage.raster().covered() == 0 && stage.raycast(&caster).covered() > 0;
+    let stage = stages.into_iter().find(is_of_that_kind).expect("some size is of that kind");
+    let rendered = stage.render(&caster, None, None);
     let pairs = stage.compare(&caster, &rendered).expect("pairs are reported");
     assert_eq!(pairs.len(), 3);
     for pair in &pairs {
@@ -149,6 +145,7 @@ fn a_pair_that_shows_nothing_has_no_verdict_and_ends_no_other() {
         assert_eq!(pair.verdict, expected, "{} | {}: {:?}", pair.reference, pair.candidate, pair.causes);
         assert_eq!(pair.explanation.is_some(), pair.covered == 0);
     }
+    assert!(pairs[0].covered > 0, "the case is one of that kind");
 }
 
 /// f64 tells 8,400 parameters apart in the whole domain, where f32 tells 2²⁴: the same picture as if drawn by others.
@@ -164,6 +161,9 @@ fn parameters_that_f64_cannot_hold_are_counted_and_are_no_difference() {
     assert!(pair.covered > 1000);
     assert_eq!((pair.differing(), pair.reasons()), (0, vec![(Unbounded::Parameters, pair.covered)]));
     assert_eq!(pair.verdict, Verdict::NoVerdict, "nothing was judged, so nothing agrees");
+    // Ours say on which piece they are, and where on it.
+    let pair = stage.against_raycast(&caster, &raycast, &stage.raster()).expect("comparable");
+    assert_eq!((pair.verdict, pair.unbounded), (Verdict::Agree, 0), "{:?} {:?}", pair.causes, pair.worst.first());
 }
 
 /// A report comes in any case, and what differs is beside an edge.
