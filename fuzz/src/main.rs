@@ -31,6 +31,9 @@ const LONGEST: usize = 1 << 18;
 /// How many lines of findings of one kind are printed.
 const LISTED: usize = 20;
 
+/// Takes a file by its name and bytes; says what it says of one that it does not take.
+type Read = Box<dyn Fn(&Path, &[u8]) -> Result<()>>;
+
 /// A reader, and what it begins with.
 struct Target {
     seeds: Vec<Vec<u8>>,

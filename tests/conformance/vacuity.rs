@@ -1,15 +1,11 @@
 //! Whether "agree" means anything: pictures that a person would see to be wrong are judged, and must differ.
 
 use compare::Verdict;
-use pipeline::Technique;
 use raycast::Caster;
 use scene::Viewport;
 use xtask::conform::corpus::Suite;
 use xtask::conform::wrong::Vacuity;
 use xtask::stage::{Plan, Stage};
-
-/// Scenes of which technique `fragment` gives no verdict: the chord is bounded over a whole Bézier piece.
-const WITHOUT_VERDICT: [&str; 2] = ["weights-1-to-1000", "weights-1-to-629"];
 
 /// The scenes of a suite from the first of its viewpoints: what of them differs without a fault, agrees with one, or is
 /// made of nothing.
@@ -40,10 +36,6 @@ fn failures(suite: Suite) -> Vec<String> {
                 pair.greatest_bound_px,
                 pair.limit_px
             );
-            if WITHOUT_VERDICT.contains(&scene.name) && plan.technique == Technique::Fragment {
-                assert_eq!(pair.verdict, Verdict::NoVerdict, "{name}");
-                continue;
-            }
             if pair.verdict != Verdict::Agree {
                 failures.push(format!("{name}: {:?} {:?} {:?}", pair.verdict, pair.causes, pair.explanation));
             }

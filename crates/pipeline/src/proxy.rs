@@ -89,8 +89,8 @@ pub struct Proxy {
 /// How the parameters of a face are cut.
 #[derive(Debug, Clone, PartialEq)]
 enum Cells {
-    /// Every span by itself, in u and in v.
-    OfSpans([Vec<usize>; 2]),
+    /// Every span by itself, in u and in v: of each of its equal parts, the cells. A span of polynomial patches is one part.
+    OfSpans([Vec<Vec<usize>>; 2]),
     /// The whole domain, in both directions alike.
     OfDomain(usize),
 }
@@ -132,20 +132,21 @@ impl Proxy {
         let wanted: Vec<Wanted> = (0..model.faces().len())
             .into_par_iter()
             .map(|id| {
-                let of_patch = |patch: &BezierPatch| {
+                let pixel = |patch: &BezierPatch| {
                     let hull = close_hull(patch, HULL_HALVINGS);
-                    let pixel = if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY };
-                    (patch.derivative_bounds(), patch.domain.map(|[start, end]| end - start), pixel)
+                    if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY }
                 };
-                let patches = model.surface(FaceId(id as u32)).bezier_patches().iter().map(of_patch).collect();
-                Wanted { patches, spans: scene.frames[id].breaks.each_ref().map(|breaks| breaks.len() - 1) }
+                let patches = model.surface(FaceId(id as u32)).bezier_patches();
+                Wanted { pixels: patches.iter().map(pixel).collect(), bounds: Bounds::of(&patches) }
             })
             .collect();
         let mut built_px = chord_px;
-        let cells: Vec<[Vec<usize>; 2]> = loop {
+        let cells: Vec<[Vec<Vec<usize>>; 2]> = loop {
             let cells: Vec<_> = wanted.par_iter().map(|face| face.cells(built_px)).collect();
-            let triangles = cells.iter().map(|[u, v]| 2.0 * total(u) * total(v)).sum::<f64>();
-            let least = wanted.iter().map(|face| 2.0 * (face.spans[0] * face.spans[1]) as f64).sum::<f64>();
+            let along = |spans: &[Vec<usize>]| spans.iter().map(|parts| total(parts)).sum::<f64>();
+            let triangles = cells.iter().map(|[u, v]| 2.0 * along(u) * along(v)).sum::<f64>();
+            let least = wanted.iter().map(|face| face.bounds.parts.iter().map(|parts| total(parts)).product::<f64>());
+            let least = 2.0 * least.sum::<f64>();
             if triangles <= (REFINED_TRIANGLES as f64).max(2.0 * least) {
                 break cells;
             }
@@ -157,10 +158,8 @@ impl Proxy {
             .map(|(id, cells)| {
                 let face = FaceId(id as u32);
                 let skirt = model.region(face).map(|region| {
-                    let pixel = wanted[id]
-                        .patches
-                        .iter()
-                        .fold(0.0, |most: f64, (_, _, pixel)| if pixel.is_finite() { most.max(*pixel) } else { most });
+                    let pixels = wanted[id].pixels.iter().filter(|pixel| pixel.is_finite());
+                    let pixel = pixels.fold(0.0, |most: f64, pixel| most.max(*pixel));
                     Skirt { surface: model.surface(face), region, width: (built_px + SKIRT_PX) * pixel }
                 });
                 grids_of_spans(&scene.frames[id].breaks, cells, skirt.as_ref())
@@ -338,19 +337,106 @@ fn in_drawing_order(scene: &PackedScene) -> Vec<usize> {
 
 /// What a face asks of its tessellation.
 struct Wanted {
-    /// Of each Bézier patch, row-major in u: bounds of its derivatives, its width and height, and what a pixel measures where it is
-    /// nearest, infinite out of the picture.
-    patches: Vec<(DerivativeBounds, [f64; 2], f64)>,
-    spans: [usize; 2],
+    bounds: Bounds,
+    /// Of each Bézier patch, row-major in u, what a pixel measures where it is nearest, infinite out of the picture.
+    pixels: Vec<f64>,
+}
+
+/// Bounds of the derivatives of a surface's Bézier patches, part by part: of a patch with a large weight they differ by orders of
+/// magnitude from one place to another.
+struct Bounds {
+    /// How many equal parts each span in u and in v is cut into.
+    parts: [Vec<usize>; 2],
+    /// Of each patch, row-major in u, its width and height, and of its parts, row-major in u, the bounds.
+    patches: Vec<([f64; 2], Vec<DerivativeBounds>)>,
+}
+
+/// A span has one part where the weights of each patch on it vary by no more than this, else as many as the root of their ratio,
+/// up to [`GREATEST_PARTS`]: parameters run so many times faster near the heavy point.
+const WEIGHTS_VARY_MUCH: f64 = 8.0;
+
+/// See [`WEIGHTS_VARY_MUCH`].
+const GREATEST_PARTS: usize = 64;
+
+impl Bounds {
+    /// Those of all patches of a surface, row-major in u.
+    fn of(patches: &[BezierPatch]) -> Self {
+        let spans_v = patches.iter().take_while(|patch| patch.domain[0] == patches[0].domain[0]).count();
+        let mut parts = [vec![1; patches.len() / spans_v], vec![1; spans_v]];
+        for (index, ratio) in
+            patches.iter().map(weights_vary).enumerate().filter(|(_, ratio)| *ratio > WEIGHTS_VARY_MUCH)
+        {
+            let count = (ratio.sqrt() as usize).next_power_of_two().min(GREATEST_PARTS);
+            let [k, l] = [index / spans_v, index % spans_v];
+            parts[0][k] = count.max(parts[0][k]);
+            parts[1][l] = count.max(parts[1][l]);
+        }
+        let of_patch = |(index, patch): (usize, &BezierPatch)| {
+            let size = patch.domain.map(|[start, end]| end - start);
+            let [rows, columns] = [parts[0][index / spans_v], parts[1][index % spans_v]];
+            let strips = cut(patch.clone(), rows, patch.domain[0], BezierPatch::split_u);
+            let of_strip = |strip: BezierPatch| cut(strip, columns, patch.domain[1], BezierPatch::split_v);
+            (size, strips.into_iter().flat_map(of_strip).map(|part| part.derivative_bounds()).collect())
+        };
+        let patches = patches.iter().enumerate().map(of_patch).collect();
+        Self { parts, patches }
+    }
+
+    /// The spans of a patch, by their places in the lists of parts.
+    fn spans(&self, index: usize) -> [usize; 2] {
+        [index / self.parts[1].len(), index % self.parts[1].len()]
+    }
+
+    /// The greatest chord of a patch whose parts are cut into so many cells, along u and along v.
+    fn chord(&self, index: usize, [u, v]: [&[usize]; 2]) -> f64 {
+        let ([width, height], bounds) = &self.patches[index];
+        let [width, height] = [width / u.len() as f64, height / v.len() as f64];
+        let of_part = |(k, bounds): (usize, &DerivativeBounds)| {
+            bounds.chord(width / u[k / v.len()] as f64, height / v[k % v.len()] as f64)
+        };
+        bounds.iter().enumerate().map(of_part).fold(0.0, f64::max)
+    }
+}
+
+/// A patch cut into so many equal parts of a direction, by `split`.
+fn cut(
+    patch: BezierPatch,
+    parts: usize,
+    [start, end]: [f64; 2],
+    split: impl Fn(&BezierPatch, f64) -> [BezierPatch; 2],
+) -> Vec<BezierPatch> {
+    let mut all = Vec::with_capacity(parts);
+    let mut rest = patch;
+    for k in 1..parts {
+        let [part, beyond] = split(&rest, start + (end - start) * k as f64 / parts as f64);
+        all.push(part);
+        rest = beyond;
+    }
+    all.push(rest);
+    all
+}
+
+/// The greatest ratio of two weights of a patch.
+fn weights_vary(patch: &BezierPatch) -> f64 {
+    let weights = patch.control.iter().map(|c| c.w);
+    let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(least, most), w| (least.min(w), most.max(w)));
+    most / least
 }
 
 impl Wanted {
-    /// The fewest cells of each span in u and in v so that the chord bound of every cell is at most `chord_px`.
-    fn cells(&self, chord_px: f64) -> [Vec<usize>; 2] {
-        let mut cells = self.spans.map(|spans| vec![1usize; spans]);
-        for (index, (bounds, size, pixel)) in self.patches.iter().enumerate() {
-            let (k, l) = (index / self.spans[1], index % self.spans[1]);
-            [cells[0][k], cells[1][l]] = cells_needed(bounds, *size, chord_px * pixel, [cells[0][k], cells[1][l]]);
+    /// The fewest cells of each part of the spans in u and in v so that the chord bound of every cell is at most `chord_px`.
+    fn cells(&self, chord_px: f64) -> [Vec<Vec<usize>>; 2] {
+        let mut cells =
+            self.bounds.parts.each_ref().map(|spans| spans.iter().map(|&n| vec![1usize; n]).collect::<Vec<_>>());
+        for (index, (size, bounds)) in self.bounds.patches.iter().enumerate() {
+            let [k, l] = self.bounds.spans(index);
+            let [rows, columns] = [cells[0][k].len(), cells[1][l].len()];
+            let size = [size[0] / rows as f64, size[1] / columns as f64];
+            for (part, bounds) in bounds.iter().enumerate() {
+                let (i, j) = (part / columns, part % columns);
+                let least = [cells[0][k][i], cells[1][l][j]];
+                [cells[0][k][i], cells[1][l][j]] = cells_needed(bounds, size, chord_px * self.pixels[index], least);
+            }
         }
         cells
     }
@@ -364,9 +450,7 @@ const HULL_HALVINGS: u32 = 4;
 
 /// A box that holds a patch: that of its control points, or where weights vary, of those of its quarters' quarters.
 fn close_hull(patch: &BezierPatch, halvings: u32) -> Hull {
-    let weights = patch.control.iter().map(|c| c.w);
-    let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(least, most), w| (least.min(w), most.max(w)));
-    if halvings == 0 || most <= WEIGHTS_VARY * least {
+    if halvings == 0 || weights_vary(patch) <= WEIGHTS_VARY {
         return patch.hull();
     }
     let [u, v] = patch.domain.map(|[start, end]| 0.5 * (start + end));
@@ -374,8 +458,8 @@ fn close_hull(patch: &BezierPatch, halvings: u32) -> Hull {
     quarters.map(|part| close_hull(&part, halvings - 1)).reduce(Hull::union).expect("four quarters")
 }
 
-fn total(cells: &[usize]) -> f64 {
-    cells.iter().sum::<usize>() as f64
+fn total(counts: &[usize]) -> f64 {
+    counts.iter().sum::<usize>() as f64
 }
 
 /// The fewest cells, from `least` on, that bring the chord bound under `allowed`: always the direction that gains more. From
@@ -431,10 +515,14 @@ struct Skirt<'a> {
 }
 
 /// The grids of a face's spans, with a skirt where loops bound it.
-fn grids_of_spans(breaks: &[Vec<f64>; 2], cells: &[Vec<usize>; 2], skirt: Option<&Skirt>) -> Vec<Grid> {
-    let lines = |n: usize| -> Vec<f32> { (0..=n).map(|i| (i as f64 / n as f64) as f32).collect() };
-    let rows = cells[0].iter().map(|&n| lines(n)).collect::<Vec<_>>();
-    let columns = cells[1].iter().map(|&n| lines(n)).collect::<Vec<_>>();
+fn grids_of_spans(breaks: &[Vec<f64>; 2], cells: &[Vec<Vec<usize>>; 2], skirt: Option<&Skirt>) -> Vec<Grid> {
+    let lines = |parts: &Vec<usize>| -> Vec<f32> {
+        let of_part = |(k, &n): (usize, &usize)| {
+            (0..n).map(move |i| ((k as f64 + i as f64 / n as f64) / parts.len() as f64) as f32).collect::<Vec<_>>()
+        };
+        parts.iter().enumerate().flat_map(of_part).chain([1.0]).collect()
+    };
+    let [rows, columns] = cells.each_ref().map(|spans| spans.iter().map(lines).collect::<Vec<_>>());
     let mut grids = Vec::with_capacity(rows.len() * columns.len());
     for (k, u) in rows.iter().enumerate() {
         for (l, v) in columns.iter().enumerate() {
@@ -537,24 +625,21 @@ fn corner(model: &Model, scene: &PackedScene, id: usize, at: Parameters) -> Vert
 /// The chord of each Bézier piece of a face, from the bounds of its derivatives and the cells that it is cut into, plus what
 /// narrowing moves.
 fn chord_bounds(surface: &Surface, scale: f64, cells: &Cells) -> Vec<f64> {
-    let domain = surface.domain();
-    let patches = surface.bezier_patches();
-    let spans_v = patches.iter().take_while(|patch| patch.domain[0] == patches[0].domain[0]).count();
-    let of_patch = |(index, patch): (usize, &BezierPatch)| {
-        let bounds = patch.derivative_bounds();
-        let length = |[start, end]: [f64; 2]| end - start;
-        let [width, height] = patch.domain.map(length);
-        let (cell, interpolated) = match cells {
+    let domain = surface.domain().map(|[start, end]| end - start);
+    let bounds = Bounds::of(&surface.bezier_patches());
+    let of_patch = |(index, (size, parts)): (usize, &([f64; 2], Vec<DerivativeBounds>))| {
+        let whole = parts.iter().copied().fold(DerivativeBounds::default(), DerivativeBounds::max);
+        let (chord, interpolated) = match cells {
             Cells::OfSpans([u, v]) => {
-                let [n, m] = [u[index / spans_v], v[index % spans_v]];
-                ([width / n as f64, height / m as f64], [width, height])
+                let [k, l] = bounds.spans(index);
+                (bounds.chord(index, [&u[k], &v[l]]), *size)
             }
-            Cells::OfDomain(n) => (domain.map(|ends| length(ends) / *n as f64), domain.map(length)),
+            Cells::OfDomain(n) => (whole.chord(domain[0] / *n as f64, domain[1] / *n as f64), domain),
         };
         // Vertices narrow to f32 (half an ulp of the local unit in each coordinate), and a grid line may stand half an
         // ulp beside its parameter.
-        let speed = (bounds.u * interpolated[0]).max(bounds.v * interpolated[1]);
-        bounds.chord(cell[0], cell[1]) + f64::from(f32::EPSILON) * (scale + speed)
+        let speed = (whole.u * interpolated[0]).max(whole.v * interpolated[1]);
+        chord + f64::from(f32::EPSILON) * (scale + speed)
     };
-    patches.iter().enumerate().map(of_patch).collect()
+    bounds.patches.iter().enumerate().map(of_patch).collect()
 }

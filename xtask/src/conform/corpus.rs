@@ -83,11 +83,6 @@ const fn scene(
     Scene { name, stresses, model, viewpoints, unbounded_share: 0.0, beyond_exact: None, masked: false, least }
 }
 
-/// The same, not drawn by technique `exact` for a stated reason.
-const fn beyond_exact(reason: &'static str, scene: Scene) -> Scene {
-    Scene { beyond_exact: Some(reason), ..scene }
-}
-
 /// The same, trimmed by masks.
 const fn masked(scene: Scene) -> Scene {
     Scene { masked: true, ..scene }
@@ -120,10 +115,7 @@ pub const SCENES: &[Scene] = &[
     scene("degree-9x1", "degree-9x1", ALL_ROUND, Standard, "the highest degree with the lowest"),
     scene("degree-7x7", "septic", ALL_ROUND, Standard, "degree 7 x 7, a ripple"),
     scene("degree-5x2", "quintic-quadratic", ALL_ROUND, Standard, "degree 5 x 2, a saddle"),
-    beyond_exact(
-        "of 1,000 pixels a few miss a root: the parameters run up to 1,000 times faster at one end of a piece",
-        scene("weights-1-to-1000", "weights-1000", ALL_ROUND, Smoke, "neighbouring rows of weights 1 and 1000"),
-    ),
+    scene("weights-1-to-1000", "weights-1000", ALL_ROUND, Smoke, "neighbouring rows of weights 1 and 1000"),
     scene("weights-1-to-629", "weights-629", ALL_ROUND, Standard, "degree 4 x 4, weights over a ratio of 629"),
     scene("weights", "rational", ALL_ROUND, Standard, "weights from 0.5 to 2 over multiple knots"),
     scene("offset-1e6", "far", ALL_ROUND, Smoke, "a unit surface a million units from the origin"),
