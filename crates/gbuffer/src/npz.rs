@@ -18,7 +18,7 @@
 //! | `k1`, `k2` | f64 | principal curvatures, 1 / model unit; NaN where there are none | NaN | both: none |
 //! | `edge` | f64, H × W × 2 | offset to the nearest trim edge of the face, pixels, right and down; NaN where none is within 1 | NaN | not asked for |
 //! | `undecided` | u8 | 1 where the renderer could not decide, else 0 | 0 or 1 | 0 |
-//! | `meta` | one text, `<U…` | a JSON object, see [`Meta`](crate::Meta); `json.loads(str(z["meta"]))` | | refused |
+//! | `meta` | one text, `<U…` | a JSON object, see [`Meta`]; `json.loads(str(z["meta"]))` | | refused |
 //!
 //! Read are also `<f4` for `<f8`, and `|u1`, `|b1`, `|i1`, `<u2`, `<i2`, `<u4`, `<i4`, `<i8` for one another, as long as
 //! the value fits; `meta` may be bytes (`|S…`, or one dimension of `|u1` or `|i1`; UTF-8). Where nothing is hit nothing else but `undecided` is looked at.

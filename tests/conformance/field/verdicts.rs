@@ -2,7 +2,7 @@
 
 use super::field;
 use compare::{PairReport, UNBOUNDED_SHARE, Unbounded, Verdict};
-use gbuffer::{GBuffer, Meta};
+use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 use pipeline::Technique;
 use raycast::Caster;
@@ -156,7 +156,10 @@ fn parameters_that_f64_cannot_hold_are_counted_and_are_no_difference() {
     let stage = Stage::new(&model, camera, viewport(), plan(Technique::Exact)).expect("a stage");
     let caster = Caster::new(&model);
     let raycast = stage.raycast(&caster);
-    let foreign = raycast.clone().with_meta(Meta { renderer: "foreign".to_owned(), ..stage.meta("foreign") });
+    let of_domain = |(x, y)| raycast.get(x, y).map(|hit| Hit { local: None, ..*hit });
+    let rows =
+        (0..raycast.viewport().height()).map(|y| (0..raycast.viewport().width()).map(|x| of_domain((x, y))).collect());
+    let foreign = GBuffer::from_rows(raycast.viewport(), stage.meta("foreign"), rows);
     let pair = stage.against_raycast(&caster, &raycast, &foreign).expect("comparable");
     assert!(pair.covered > 1000);
     assert_eq!((pair.differing(), pair.reasons()), (0, vec![(Unbounded::Parameters, pair.covered)]));

@@ -424,7 +424,7 @@ impl Viewpoint {
         let (eye, target, up, projection) = match self {
             Self::Framed => return framing,
             Self::Above => (center + size * DVec3::Z, center, DVec3::Y, wide),
-            Self::Grazing => (center + size * DVec3::new(1.1, 0.2, 0.06), center, DVec3::Z, wide),
+            Self::Grazing => (center + size * DVec3::new(1.0, 0.2, 0.06), center, DVec3::Z, wide),
             Self::EdgeOn => (center + size * DVec3::new(0.3, -1.1, 0.008), center, DVec3::Z, wide),
             Self::Inside => {
                 let eye = center + size * DVec3::new(0.02, 0.03, 0.05);

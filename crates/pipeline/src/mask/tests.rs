@@ -1,11 +1,16 @@
 //! Masks are as fine as their error asks for, and as coarse as their memory.
 
 use super::*;
+use glam::DVec3;
 use scene::{Camera, FaceId, Model, Viewport};
 
 fn planned(model: &Model, options: &MaskOptions) -> Result<MaskPlan, MaskError> {
-    let viewport = Viewport::new(128, 128).expect("a legal size");
-    MaskPlan::new(model, &Camera::framing(model, viewport), viewport, options)
+    let viewport = Viewport::new(256, 256).expect("a legal size");
+    // From farther away than fills the picture: so near, a mask would be larger than a texture may be.
+    let (framing, center) = (Camera::framing(model, viewport), model.hull().center());
+    let eye = center + 1.75 * (framing.eye() - center);
+    let camera = Camera::look_at(eye, center, DVec3::Z, framing.projection()).expect("a legal camera");
+    MaskPlan::new(model, &camera, viewport, options)
 }
 
 fn models() -> impl Iterator<Item = (&'static str, Model)> {
