@@ -100,10 +100,10 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<
     beside.rename(&target)
 }
 
-/// Writes a file of these bytes, as [`write`] does.
+/// Writes a file of these bytes, as [`write()`] does.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write(path, |writer| io::Write::write_all(writer, bytes))
 }
