@@ -128,7 +128,8 @@ fn trimming(model: &Model) -> TrimmingInfo {
 }
 
 fn describe(model: &Model) -> ModelInfo {
-    let faces: Vec<FaceInfo> = (0..model.faces().len()).map(|id| face(model, id)).collect();
+    let sides: Vec<Vec<&str>> = model.surfaces().iter().map(degenerate_edges).collect();
+    let faces: Vec<FaceInfo> = (0..model.faces().len()).map(|id| face(model, id, &sides)).collect();
     let bezier_patches = faces.iter().map(|f| f.spans[0] * f.spans[1]).sum();
     ModelInfo {
         model: model.name().to_owned(),
@@ -145,7 +146,7 @@ fn corners(hull: Hull) -> [[f64; 3]; 2] {
     [hull.min.to_array(), hull.max.to_array()]
 }
 
-fn face(model: &Model, id: usize) -> FaceInfo {
+fn face(model: &Model, id: usize, sides: &[Vec<&'static str>]) -> FaceInfo {
     let face = &model.faces()[id];
     let surface = model.surface(FaceId(id as u32));
     let [ku, kv] = [Direction::U, Direction::V].map(|d| surface.knots(d));
@@ -161,7 +162,7 @@ fn face(model: &Model, id: usize) -> FaceInfo {
         knots_u: knots(ku),
         knots_v: knots(kv),
         hull: corners(surface.hull()),
-        degenerate_edges: degenerate_edges(surface),
+        degenerate_edges: sides[face.surface].clone(),
         trim_loops: face.loops.len(),
     }
 }

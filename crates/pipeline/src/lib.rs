@@ -12,6 +12,7 @@ mod layout;
 pub mod mask;
 pub mod newton;
 mod pack;
+mod patches;
 mod pieces;
 mod proxy;
 pub mod sight;

@@ -192,9 +192,20 @@ impl PackedScene {
             masks: None,
             edges: false,
         };
+        // Faces of one surface share its numbers.
+        let mut of_surface = vec![None; model.surfaces().len()];
         for (id, face) in model.faces().iter().enumerate() {
             let surface = &model.surfaces()[face.surface];
             let flags = if face.reversed { REVERSED } else { 0 } | if face.loops.is_empty() { 0 } else { BOUNDED };
+            let first = *of_surface[face.surface].get_or_insert(id);
+            if first < id {
+                packed
+                    .faces
+                    .push(FaceRecord { flags: packed.faces[first].flags & RATIONAL | flags, ..packed.faces[first] });
+                packed.frames.push(packed.frames[first].clone());
+                packed.programs.push(packed.programs[first]);
+                continue;
+            }
             match scheme {
                 Scheme::General => packed.push(id, surface, flags, Program::General)?,
                 Scheme::Specialised => {

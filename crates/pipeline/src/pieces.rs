@@ -7,8 +7,10 @@
 use crate::layout::PieceRecord;
 use crate::newton::PATIENCE;
 use crate::pack::PackedScene;
+use crate::patches::patches_on;
 use glam::DVec3;
 use nurbs::{BezierPatch, Hull};
+use std::ops::Range;
 
 /// How far a piece may turn along either parameter, radians: the second differences of its control points over the
 /// first.
@@ -61,19 +63,20 @@ pub(crate) const HULL_TRIANGLES: [[u32; 3]; 12] = [
 /// The pieces of a face of `scene` whose surface has these patches. `model_units_a_pixel` tells what a pixel measures
 /// at the farthest point of a box.
 ///
-/// `patches` are all of the surface's, row-major in u.
+/// `patches` are all of the surface's, row-major in u; those on `spans` are cut.
 pub(crate) fn pieces_of(
     scene: &PackedScene,
     face: usize,
     patches: &[BezierPatch],
+    spans: &[Range<usize>; 2],
     model_units_a_pixel: impl Fn(&Hull) -> f64,
 ) -> Vec<Piece> {
     let frame = &scene.frames[face];
     let spans_v = frame.breaks[1].len() - 1;
     let mut pieces = vec![];
-    let numbered = patches.iter().enumerate().flat_map(|(index, patch)| {
+    let numbered = patches_on(spans, spans_v).flat_map(|index| {
         let span = [index / spans_v, index % spans_v].map(|k| k as u32);
-        nearly_flat(patch).into_iter().map(move |part| (span, part))
+        nearly_flat(&patches[index]).into_iter().map(move |part| (span, part))
     });
     for (span, Part { patch, rectangle: [[u0, u1], [v0, v1]] }) in numbered {
         let points: Vec<DVec3> =

@@ -3,12 +3,14 @@
 
 use crate::Technique;
 use crate::layout::{Parameters, PieceRecord, SEARCHED, Vertex};
-use crate::pack::{PackedScene, Program};
+use crate::pack::{PackedFrame, PackedScene, Program};
+use crate::patches::{patches_on, spans_of};
 use crate::pieces::{HULL_TRIANGLES, pieces_of};
 use glam::{DVec2, DVec4};
 use nurbs::{BezierPatch, DerivativeBounds, Hull, Surface};
 use rayon::prelude::*;
-use scene::{Camera, FaceId, Model, Region, Viewport};
+use scene::{Camera, Face, FaceId, Model, Region, Viewport};
+use std::ops::Range;
 
 /// Chord error in pixels to which a proxy is built unless another is asked for.
 pub const DEFAULT_CHORD_PX: f64 = 0.25;
@@ -129,23 +131,33 @@ impl Proxy {
             return Err(ProxyError::Chord { chord_px });
         }
         let in_picture = Frustum::new(camera, viewport);
-        let wanted: Vec<Wanted> = (0..model.faces().len())
-            .into_par_iter()
-            .map(|id| {
-                let pixel = |patch: &BezierPatch| {
-                    let hull = close_hull(patch, HULL_HALVINGS);
-                    if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY }
-                };
-                let patches = model.surface(FaceId(id as u32)).bezier_patches();
-                Wanted { pixels: patches.iter().map(pixel).collect(), bounds: Bounds::of(&patches) }
-            })
-            .collect();
+        let pixel = |patch: &BezierPatch| {
+            let hull = close_hull(patch, HULL_HALVINGS);
+            if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY }
+        };
+        let of_surface = |surface: &Surface| {
+            let patches = surface.bezier_patches();
+            (Bounds::of(&patches), patches.iter().map(pixel).collect())
+        };
+        let surfaces: Vec<(Bounds, Vec<f64>)> = model.surfaces().par_iter().map(of_surface).collect();
+        let of_face = |(id, face): (usize, &Face)| {
+            let (bounds, pixels) = &surfaces[face.surface];
+            let spans = spans_of(model.region(FaceId(id as u32)), &scene.frames[id].breaks);
+            Wanted { bounds, pixels, spans }
+        };
+        let wanted: Vec<Wanted> = model.faces().iter().enumerate().map(of_face).collect();
         let mut built_px = chord_px;
         let cells: Vec<[Vec<Vec<usize>>; 2]> = loop {
             let cells: Vec<_> = wanted.par_iter().map(|face| face.cells(built_px)).collect();
             let along = |spans: &[Vec<usize>]| spans.iter().map(|parts| total(parts)).sum::<f64>();
-            let triangles = cells.iter().map(|[u, v]| 2.0 * along(u) * along(v)).sum::<f64>();
-            let least = wanted.iter().map(|face| face.bounds.parts.iter().map(|parts| total(parts)).product::<f64>());
+            let triangles = wanted
+                .iter()
+                .zip(&cells)
+                .map(|(face, cells)| [0, 1].map(|k| along(&cells[k][face.spans[k].clone()])).iter().product::<f64>());
+            let triangles = 2.0 * triangles.sum::<f64>();
+            let least = wanted.iter().map(|face| {
+                [0, 1].map(|k| total(&face.bounds.parts[k][face.spans[k].clone()])).iter().product::<f64>()
+            });
             let least = 2.0 * least.sum::<f64>();
             if triangles <= (REFINED_TRIANGLES as f64).max(2.0 * least) {
                 break cells;
@@ -158,15 +170,16 @@ impl Proxy {
             .map(|(id, cells)| {
                 let face = FaceId(id as u32);
                 let skirt = model.region(face).map(|region| {
-                    let pixels = wanted[id].pixels.iter().filter(|pixel| pixel.is_finite());
-                    let pixel = pixels.fold(0.0, |most: f64, pixel| most.max(*pixel));
+                    let pixels = wanted[id].patches().map(|index| wanted[id].pixels[index]);
+                    let pixel = pixels.filter(|pixel| pixel.is_finite()).fold(0.0, f64::max);
                     Skirt { surface: model.surface(face), region, width: (built_px + SKIRT_PX) * pixel }
                 });
-                grids_of_spans(&scene.frames[id].breaks, cells, skirt.as_ref())
+                grids_of_spans(&scene.frames[id].breaks, cells, &wanted[id].spans, skirt.as_ref())
             })
             .collect();
         let cells = cells.into_iter().map(Cells::OfSpans).collect();
-        Self::over(model, scene, cells, grids, built_px).ok_or(ProxyError::TooManyTriangles { chord_px })
+        let bounds: Vec<&Bounds> = wanted.iter().map(|face| face.bounds).collect();
+        Self::over(model, scene, &bounds, cells, grids, built_px).ok_or(ProxyError::TooManyTriangles { chord_px })
     }
 
     /// A tessellation of every face into `cells` × `cells` cells of equal parameters, wherever its knots lie, as
@@ -182,12 +195,16 @@ impl Proxy {
         let lines: Vec<f32> = (0..=cells).map(|i| (i as f64 / cells as f64) as f32).collect();
         let grid = || Grid::new([SEARCHED; 2], &lines, &lines);
         let grids = model.faces().iter().map(|_| vec![grid()]).collect();
-        Self::over(model, scene, vec![Cells::OfDomain(cells); model.faces().len()], grids, f64::NAN).ok_or(too_many)
+        let of_surface: Vec<Bounds> = model.surfaces().par_iter().map(|s| Bounds::of(&s.bezier_patches())).collect();
+        let bounds: Vec<&Bounds> = model.faces().iter().map(|face| &of_surface[face.surface]).collect();
+        let cells = vec![Cells::OfDomain(cells); model.faces().len()];
+        Self::over(model, scene, &bounds, cells, grids, f64::NAN).ok_or(too_many)
     }
 
     fn over(
         model: &Model,
         scene: &PackedScene,
+        bounds: &[&Bounds],
         cells: Vec<Cells>,
         grids: Vec<Vec<Grid>>,
         built_px: f64,
@@ -199,7 +216,8 @@ impl Proxy {
         let meshes: Vec<Vec<Vertex>> =
             grids.par_iter().enumerate().map(|(id, grids)| mesh(model, scene, id, grids)).collect();
         let chord = |(id, cells): (usize, &Cells)| {
-            chord_bounds(model.surface(FaceId(id as u32)), scene.frames[id].scale, cells)
+            let face = FaceId(id as u32);
+            chord_bounds(bounds[id], model.surface(face), model.region(face), &scene.frames[id], cells)
         };
         let mut proxy = Self {
             vertices: vec![],
@@ -253,7 +271,9 @@ impl Proxy {
         for vertex in self.vertices[first..].iter_mut().take_while(|vertex| of_face(vertex)) {
             *vertex = corner(model, scene, id, Parameters { span: vertex.span, uv: vertex.uv });
         }
-        self.chord[id] = chord_bounds(model.surface(face), scene.frames[id].scale, &self.cells[id]);
+        let surface = model.surface(face);
+        let bounds = Bounds::of(&surface.bezier_patches());
+        self.chord[id] = chord_bounds(&bounds, surface, model.region(face), &scene.frames[id], &self.cells[id]);
     }
 
     /// The hulls of all pieces of all faces, for technique `exact`: no pixel whose centre sees a piece, as `camera` has
@@ -266,14 +286,16 @@ impl Proxy {
             let farthest = hull.corners().iter().fold(camera.near(), |far: f64, c| far.max(camera.depth(*c)));
             1.0 / camera.pixels_per_unit(viewport, farthest.max(f64::MIN_POSITIVE))
         };
+        let of_surface: Vec<_> = model.surfaces().par_iter().map(Surface::bezier_patches).collect();
         let of_faces: Vec<_> = model
             .faces()
             .par_iter()
             .enumerate()
             .map(|(id, face)| {
-                let patches = model.surfaces()[face.surface].bezier_patches();
-                let mut pieces = pieces_of(scene, id, &patches, model_units_a_pixel);
-                if let Some(region) = model.region(FaceId(id as u32)) {
+                let region = model.region(FaceId(id as u32));
+                let spans = spans_of(region, &scene.frames[id].breaks);
+                let mut pieces = pieces_of(scene, id, &of_surface[face.surface], &spans, model_units_a_pixel);
+                if let Some(region) = region {
                     pieces.retain(|piece| may_have_material(region, scene, id, &piece.record));
                 }
                 pieces
@@ -336,10 +358,12 @@ fn in_drawing_order(scene: &PackedScene) -> Vec<usize> {
 }
 
 /// What a face asks of its tessellation.
-struct Wanted {
-    bounds: Bounds,
+struct Wanted<'a> {
+    bounds: &'a Bounds,
     /// Of each Bézier patch, row-major in u, what a pixel measures where it is nearest, infinite out of the picture.
-    pixels: Vec<f64>,
+    pixels: &'a [f64],
+    /// The spans in u and in v that the face comes to.
+    spans: [Range<usize>; 2],
 }
 
 /// Bounds of the derivatives of a surface's Bézier patches, part by part: of a patch with a large weight they differ by orders of
@@ -423,12 +447,18 @@ fn weights_vary(patch: &BezierPatch) -> f64 {
     most / least
 }
 
-impl Wanted {
+impl Wanted<'_> {
+    /// The patches that the face comes to.
+    fn patches(&self) -> impl Iterator<Item = usize> {
+        patches_on(&self.spans, self.bounds.parts[1].len())
+    }
+
     /// The fewest cells of each part of the spans in u and in v so that the chord bound of every cell is at most `chord_px`.
     fn cells(&self, chord_px: f64) -> [Vec<Vec<usize>>; 2] {
         let mut cells =
             self.bounds.parts.each_ref().map(|spans| spans.iter().map(|&n| vec![1usize; n]).collect::<Vec<_>>());
-        for (index, (size, bounds)) in self.bounds.patches.iter().enumerate() {
+        for index in self.patches() {
+            let (size, bounds) = &self.bounds.patches[index];
             let [k, l] = self.bounds.spans(index);
             let [rows, columns] = [cells[0][k].len(), cells[1][l].len()];
             let size = [size[0] / rows as f64, size[1] / columns as f64];
@@ -515,17 +545,22 @@ struct Skirt<'a> {
 }
 
 /// The grids of a face's spans, with a skirt where loops bound it.
-fn grids_of_spans(breaks: &[Vec<f64>; 2], cells: &[Vec<Vec<usize>>; 2], skirt: Option<&Skirt>) -> Vec<Grid> {
+fn grids_of_spans(
+    breaks: &[Vec<f64>; 2],
+    cells: &[Vec<Vec<usize>>; 2],
+    spans: &[Range<usize>; 2],
+    skirt: Option<&Skirt>,
+) -> Vec<Grid> {
     let lines = |parts: &Vec<usize>| -> Vec<f32> {
         let of_part = |(k, &n): (usize, &usize)| {
             (0..n).map(move |i| ((k as f64 + i as f64 / n as f64) / parts.len() as f64) as f32).collect::<Vec<_>>()
         };
         parts.iter().enumerate().flat_map(of_part).chain([1.0]).collect()
     };
-    let [rows, columns] = cells.each_ref().map(|spans| spans.iter().map(lines).collect::<Vec<_>>());
+    let [rows, columns] = [0, 1].map(|k| cells[k][spans[k].clone()].iter().map(lines).collect::<Vec<_>>());
     let mut grids = Vec::with_capacity(rows.len() * columns.len());
-    for (k, u) in rows.iter().enumerate() {
-        for (l, v) in columns.iter().enumerate() {
+    for (k, u) in spans[0].clone().zip(&rows) {
+        for (l, v) in spans[1].clone().zip(&columns) {
             let span = [k as u32, l as u32];
             grids.push(match skirt {
                 None => Grid::new(span, u, v),
@@ -622,12 +657,19 @@ fn corner(model: &Model, scene: &PackedScene, id: usize, at: Parameters) -> Vert
     }
 }
 
-/// The chord of each Bézier piece of a face, from the bounds of its derivatives and the cells that it is cut into, plus what
-/// narrowing moves.
-fn chord_bounds(surface: &Surface, scale: f64, cells: &Cells) -> Vec<f64> {
+/// The chord of each Bézier piece of a face, from the bounds of its surface's derivatives and the cells that it is cut into, plus
+/// what narrowing moves; 0 where the face does not come to.
+fn chord_bounds(
+    bounds: &Bounds,
+    surface: &Surface,
+    region: Option<&Region>,
+    frame: &PackedFrame,
+    cells: &Cells,
+) -> Vec<f64> {
     let domain = surface.domain().map(|[start, end]| end - start);
-    let bounds = Bounds::of(&surface.bezier_patches());
-    let of_patch = |(index, (size, parts)): (usize, &([f64; 2], Vec<DerivativeBounds>))| {
+    let mut chords = vec![0.0; bounds.patches.len()];
+    for index in patches_on(&spans_of(region, &frame.breaks), bounds.parts[1].len()) {
+        let (size, parts) = &bounds.patches[index];
         let whole = parts.iter().copied().fold(DerivativeBounds::default(), DerivativeBounds::max);
         let (chord, interpolated) = match cells {
             Cells::OfSpans([u, v]) => {
@@ -639,7 +681,7 @@ fn chord_bounds(surface: &Surface, scale: f64, cells: &Cells) -> Vec<f64> {
         // Vertices narrow to f32 (half an ulp of the local unit in each coordinate), and a grid line may stand half an
         // ulp beside its parameter.
         let speed = (whole.u * interpolated[0]).max(whole.v * interpolated[1]);
-        chord + f64::from(f32::EPSILON) * (scale + speed)
-    };
-    bounds.patches.iter().enumerate().map(of_patch).collect()
+        chords[index] = chord + f64::from(f32::EPSILON) * (frame.scale + speed);
+    }
+    chords
 }
