@@ -1,7 +1,7 @@
 //! The trial of a program on the scenes: drawn by the GPU, judged as any other rendering.
 
 use super::scenes::Shown;
-use crate::stage::Stage;
+use crate::stage::{Plan, Stage};
 use anyhow::{Result, bail};
 use compare::Verdict;
 use gbuffer::{GBuffer, Hit, Shading};
@@ -50,7 +50,9 @@ impl<'s> Trial<'s> {
     /// # Errors
     /// Where the scene cannot be drawn, or the device fails.
     pub fn new(device: &gpu::Device, shown: &'s Shown) -> Result<Self> {
-        let mut stage = Stage::new(&shown.model, shown.camera, shown.viewport, shown.plan)?;
+        // Equal cells keep to no chord error, and none is asked for.
+        let chord_px = if shown.cells.is_some() { ANY_CHORD_PX } else { shown.plan.chord_px };
+        let mut stage = Stage::new(&shown.model, shown.camera, shown.viewport, Plan { chord_px, ..shown.plan })?;
         if let (Some(cells), Technique::Fragment) = (shown.cells, shown.plan.technique) {
             stage.proxy = Proxy::uniform(&shown.model, &stage.scene, cells)?.into();
         }
@@ -199,6 +201,9 @@ impl<'s> Trial<'s> {
 /// In one pixel of so many, and in [`EFFORT_PIXELS`] of any picture, the search may take another path because another program
 /// is compiled to other roundings: where a step just keeps its promise, or a ray grazes a hull's edge.
 const EFFORT_SHARE: usize = 256;
+
+/// More than any triangle is off, pixels.
+const ANY_CHORD_PX: f64 = 1e6;
 
 /// See [`EFFORT_SHARE`].
 const EFFORT_PIXELS: usize = 4;
