@@ -23,7 +23,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
-use worker::{Outcome, Worker};
+use worker::Worker;
 
 /// Mutants tried at once: each worker's software GPU keeps two cores busy about half of the time.
 const DEFAULT_JOBS: u16 = 2;
@@ -108,16 +108,14 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
 
 /// What becomes of each.
 fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
-    let mut first = Worker::new(args.adapter.as_deref());
-    if let Outcome::Caught(catch) = first.outcome(None, args.technique)? {
-        bail!("the sources as they are do not agree on {}: {}: {}", catch.scene, catch.cause, catch.detail);
-    }
+    let first = Worker::of_sound_sources(args.adapter.as_deref(), args.technique)?;
+    let others: Vec<Worker> = (1..args.jobs).map(|_| first.another()).collect();
     let bar = terminal::progress("mutants", mutants.len());
     let next = AtomicUsize::new(0);
-    let found: Mutex<Vec<(usize, Result<Outcome>)>> = Mutex::new(vec![]);
+    let found: Mutex<Vec<(usize, Result<worker::Outcome>)>> = Mutex::new(vec![]);
     let work = |mut worker: Worker| {
         while let Some((index, mutant)) = Some(next.fetch_add(1, Relaxed)).and_then(|i| Some((i, mutants.get(i)?))) {
-            let outcome = worker.outcome(Some(mutant), args.technique);
+            let outcome = worker.outcome(mutant);
             let failed = outcome.is_err();
             found.lock().expect("no holder panics").push((index, outcome));
             bar.inc(1);
@@ -127,14 +125,14 @@ fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
         }
     };
     std::thread::scope(|scope| {
-        for _ in 1..args.jobs {
-            scope.spawn(|| work(Worker::new(args.adapter.as_deref())));
+        for worker in others {
+            scope.spawn(|| work(worker));
         }
         work(first);
     });
     let mut found = found.into_inner().expect("no holder panicked");
     found.sort_by_key(|(index, _)| *index);
-    let pair = |(index, outcome): (usize, Result<Outcome>)| {
+    let pair = |(index, outcome): (usize, Result<worker::Outcome>)| {
         let mutant: &Mutant = &mutants[index];
         let outcome = outcome.with_context(|| format!("{}:{}", mutant.key.file, mutant.line))?;
         Ok(Tried { mutant: mutant.clone(), outcome })

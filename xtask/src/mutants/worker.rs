@@ -18,12 +18,31 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// Processor time after which a scene is called a hang: a sound one takes ten seconds at most, to compile the kernels of
-/// technique `exact` for any degree. What other programs take does not count.
-const CPU_LIMIT: Duration = Duration::from_secs(30);
+/// How long a scene may keep a worker busy.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Processor time after which it is called a hang. What other programs take does not count.
+    cpu: Duration,
+    /// Time after which it is called a hang where the processor waits for a hardware GPU.
+    wall: Duration,
+}
 
-/// Time after which a scene is called a hang where the processor waits for a hardware GPU.
-const WALL_LIMIT: Duration = Duration::from_secs(60);
+impl Limits {
+    /// Of the sources as they are, which take what this driver needs to compile them.
+    const SOUND: Self = Self { cpu: Duration::from_secs(3600), wall: Duration::from_secs(600) };
+
+    /// The least that a mutant has: llvmpipe takes ten seconds for the kernels of technique `exact` for any degree.
+    const LEAST: Self = Self { cpu: Duration::from_secs(30), wall: Duration::from_secs(60) };
+
+    /// How often the time of the sources as they are a mutant has: others are at work beside it.
+    const TIMES: u32 = 4;
+
+    /// Of a mutant, where the sources as they are took this long for their slowest scene.
+    fn after(slowest: Self) -> Self {
+        let Self { cpu, wall } = Self::LEAST;
+        Self { cpu: cpu.max(Self::TIMES * slowest.cpu), wall: wall.max(Self::TIMES * slowest.wall) }
+    }
+}
 
 /// How often a silent worker's processor time is looked at.
 const LOOK: Duration = Duration::from_millis(250);
@@ -134,29 +153,51 @@ struct Running {
 /// The parent's side: starts workers as they are needed.
 pub struct Worker {
     adapter: Option<String>,
+    technique: TechniqueName,
+    limits: Limits,
     running: Option<Running>,
 }
 
 impl Worker {
-    /// A worker, not started yet.
-    pub fn new(adapter: Option<&str>) -> Self {
-        Self { adapter: adapter.map(str::to_owned), running: None }
+    /// A worker that has drawn the sources as they are by a technique, and found that they agree. Its time is the measure
+    /// of the mutants'.
+    ///
+    /// # Errors
+    /// Where it cannot be started or cannot judge, or the sources do not agree.
+    pub fn of_sound_sources(adapter: Option<&str>, technique: TechniqueName) -> Result<Self> {
+        let mut worker = Self { adapter: adapter.map(str::to_owned), technique, limits: Limits::SOUND, running: None };
+        let mut slowest = Limits { cpu: Duration::ZERO, wall: Duration::ZERO };
+        if let Outcome::Caught(catch) = worker.drawn(None, &mut slowest)? {
+            let Catch { scene, cause, detail } = catch;
+            bail!("the sources as they are do not agree on {scene}: {cause}: {detail}");
+        }
+        worker.limits = Limits::after(slowest);
+        Ok(worker)
     }
 
-    /// What becomes of a mutant, or of the sources as they are, drawn by a technique.
+    /// One more like this, not started yet.
+    pub fn another(&self) -> Self {
+        Self { adapter: self.adapter.clone(), technique: self.technique, limits: self.limits, running: None }
+    }
+
+    /// What becomes of a mutant.
     ///
     /// # Errors
     /// Where a worker cannot be started or cannot judge.
-    pub fn outcome(&mut self, mutant: Option<&Mutant>, technique: TechniqueName) -> Result<Outcome> {
+    pub fn outcome(&mut self, mutant: &Mutant) -> Result<Outcome> {
+        self.drawn(Some(mutant), &mut Limits { cpu: Duration::ZERO, wall: Duration::ZERO })
+    }
+
+    fn drawn(&mut self, mutant: Option<&Mutant>, slowest: &mut Limits) -> Result<Outcome> {
         if self.running.is_none() {
             self.running = Some(Running::start(self.adapter.as_deref())?);
         }
         let running = self.running.as_mut().expect("just started");
-        let asked = running.ask(&Job { mutant: mutant.cloned(), technique });
+        let asked = running.ask(&Job { mutant: mutant.cloned(), technique: self.technique });
         let mut scene = "start".to_owned();
         let (cause, detail) = loop {
-            let word = if asked.is_ok() { running.word() } else { Err(RecvTimeoutError::Disconnected) };
-            match word {
+            let disconnected = Err(RecvTimeoutError::Disconnected);
+            match if asked.is_ok() { running.word(self.limits, slowest) } else { disconnected } {
                 Ok(Word::Scene(name)) => scene = name,
                 Ok(Word::Done(outcome)) => {
                     if matches!(&outcome, Outcome::Caught(catch) if catch.cause == REFUSED) {
@@ -208,17 +249,18 @@ impl Running {
 }
 
 impl Running {
-    /// What it says next, or that it ended, or that it has computed for too long.
-    fn word(&self) -> Result<Word, RecvTimeoutError> {
+    /// What it says next, or that it ended, or that it has computed for too long; `slowest` grows to the time that it took.
+    fn word(&self, limits: Limits, slowest: &mut Limits) -> Result<Word, RecvTimeoutError> {
         let (began, spent) = (Instant::now(), cpu_time(self.child.id()));
         loop {
-            match self.words.recv_timeout(LOOK) {
-                Err(RecvTimeoutError::Timeout) => {}
+            let word = self.words.recv_timeout(LOOK);
+            let cpu =
+                cpu_time(self.child.id()).zip(spent).map_or(Duration::ZERO, |(now, then)| now.saturating_sub(then));
+            slowest.cpu = slowest.cpu.max(cpu);
+            slowest.wall = slowest.wall.max(began.elapsed());
+            match word {
+                Err(RecvTimeoutError::Timeout) if cpu <= limits.cpu && began.elapsed() <= limits.wall => {}
                 other => return other,
-            }
-            let cpu = cpu_time(self.child.id()).zip(spent).map(|(now, then)| now.saturating_sub(then));
-            if cpu.is_some_and(|cpu| cpu > CPU_LIMIT) || began.elapsed() > WALL_LIMIT {
-                return Err(RecvTimeoutError::Timeout);
             }
         }
     }
