@@ -18,7 +18,8 @@ const HEIGHTS: usize = 5;
 /// A loop with what is needed to say whether a point lies in it.
 pub(super) struct Contour<'a> {
     pub chain: &'a Chain,
-    pub monotone: Vec<BezierCurve>,
+    /// The segments cut where u or v turns back.
+    pub monotone: Vec<Segment>,
     /// Signed, of one copy.
     pub area: f64,
     /// Offsets by whole periods at which it reaches into the domain.
@@ -46,7 +47,7 @@ impl<'a> Contour<'a> {
         let Rectangle { min, max } = self.chain.hull;
         // No even share: corners of shapes along the axes stand there.
         let height = |i: usize| min.y + (max.y - min.y) * (i as f64 + 0.618) / HEIGHTS as f64;
-        (0..HEIGHTS).filter_map(|i| widest(&self.monotone, height(i))).collect()
+        (0..HEIGHTS).filter_map(|i| widest(curves(&self.monotone), height(i))).collect()
     }
 
     /// Whether a copy of the loop holds the point.
@@ -54,14 +55,14 @@ impl<'a> Contour<'a> {
         let inside = |offset: &DVec2| {
             let local = point - *offset;
             let hull = self.chain.hull;
-            hull.min.cmple(local).all() && local.cmple(hull.max).all() && winding(&self.monotone, local) != 0
+            hull.min.cmple(local).all() && local.cmple(hull.max).all() && winding(curves(&self.monotone), local) != 0
         };
         self.copies.iter().any(inside)
     }
 }
 
 /// The middle of the widest stretch of a height that is inside a closed chain of monotone pieces.
-fn widest(pieces: &[BezierCurve], v: f64) -> Option<DVec2> {
+fn widest<'a>(pieces: impl IntoIterator<Item = &'a BezierCurve>, v: f64) -> Option<DVec2> {
     let mut crossings: Vec<(f64, i32)> = vec![];
     for piece in pieces {
         let (a, b) = (piece.start().y, piece.end().y);
@@ -111,8 +112,15 @@ pub(super) fn signed_area(segments: &[Segment]) -> f64 {
     segments.iter().map(|s| s.curve.area(about)).sum()
 }
 
-pub(super) fn monotone(segments: &[Segment]) -> Vec<BezierCurve> {
-    segments.iter().flat_map(|s| s.curve.monotone_pieces()).collect()
+/// Segments cut where u or v turns back.
+pub(super) fn monotone(segments: &[Segment]) -> Vec<Segment> {
+    let pieces = |s: &Segment| s.curve.monotone_pieces().into_iter();
+    segments.iter().flat_map(|s| pieces(s).map(|curve| Segment { curve, ..*s })).collect()
+}
+
+/// The curves of segments.
+pub(super) fn curves(segments: &[Segment]) -> impl Iterator<Item = &BezierCurve> {
+    segments.iter().map(|s| &s.curve)
 }
 
 /// The winding number of a closed chain of monotone pieces about a point, by crossings with the ray toward +u.
