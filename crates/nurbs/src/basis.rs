@@ -46,15 +46,14 @@ pub(crate) fn basis_local<const CAPACITY: usize, const SECOND: bool>(
     let (start, length) = knots.span(span);
     let u = &knots.knots()[span + 1 - p..=span + p];
     let reciprocal = knots.span_reciprocals(span);
-    // One division, but where its quotient is beyond f64.
-    let inverse = 1.0 / length;
-    let over = |x: f64| if inverse.is_finite() { x * inverse } else { x / length };
-    let mut basis = triangle::<CAPACITY, SECOND>(p, |i| over(u[i] - start) - t, |i| reciprocal[i] * length);
-    for r in 0..=p {
-        basis.first[r] = over(basis.first[r]);
+    // Column 1 of the triangle has one difference, the span's own length.
+    let inverse = reciprocal[0];
+    let mut basis = triangle::<CAPACITY, SECOND>(p, |i| (u[i] - start) * inverse - t, |i| reciprocal[i] * length);
+    for r in 0..p + 1 {
+        basis.first[r] *= inverse;
         if SECOND {
-            // Not by the square, which may underflow where the quotient does not overflow.
-            basis.second[r] = over(over(basis.second[r]));
+            // Not by the square, which may leave f64 where the product does not.
+            basis.second[r] = basis.second[r] * inverse * inverse;
         }
     }
     basis
@@ -66,6 +65,8 @@ pub(crate) fn basis_local<const CAPACITY: usize, const SECOND: bool>(
 /// Piegl & Tiller, A2.2, with reciprocals of the knot differences from the knot vector. The terms N / (U − U) of
 /// column p are the terms of their Eq. (2.7), so N' costs one subtraction; column p − 1 gives N'' likewise.
 /// (Kanai's English Eq. (6) prints a plus sign between the two terms; the Japanese text has the minus.)
+///
+/// Ranges here and in the sums of `surface` are half-open: of a constant degree such loops are unrolled, others are not.
 #[inline(always)]
 fn triangle<const CAPACITY: usize, const SECOND: bool>(
     p: usize,
@@ -78,7 +79,7 @@ fn triangle<const CAPACITY: usize, const SECOND: bool>(
     let mut term = [0.0; CAPACITY];
     value[0] = 1.0;
     let mut column = 0;
-    for j in 1..=p {
+    for j in 1..p + 1 {
         let mut saved = 0.0;
         for r in 0..j {
             // right[r+1] = U[span+r+1] − t, left[j−r] = t − U[span+1−j+r]

@@ -85,7 +85,7 @@ impl BezierCurve {
 
     /// C(t) by de Casteljau's algorithm, within 2 p ulp of the largest control point for t in 0 to 1.
     pub fn point(&self, t: f64) -> DVec2 {
-        self.first_derivative(t)[0]
+        project(self.homogeneous(t)[0])
     }
 
     /// C(t) and C'(t).
@@ -96,31 +96,30 @@ impl BezierCurve {
     }
 
     /// The homogeneous point and its derivative at `t`.
+    #[inline(always)]
     fn homogeneous(&self, t: f64) -> [DVec3; 2] {
-        let p = self.degree();
-        let mut d = [DVec3::ZERO; MAX_ORDER];
-        d[..=p].copy_from_slice(&self.control);
-        for r in 1..p {
-            for i in 0..=p - r {
-                d[i] = d[i] * (1.0 - t) + d[i + 1] * t;
-            }
+        // To clear an array for the greatest degree takes longer than the sums of a usual one.
+        match self.control.len() {
+            2 => de_casteljau::<2>(&self.control[..2], t),
+            3 => de_casteljau::<3>(&self.control[..3], t),
+            4 => de_casteljau::<4>(&self.control[..4], t),
+            _ => de_casteljau::<MAX_ORDER>(&self.control, t),
         }
-        [d[0] * (1.0 - t) + d[1] * t, (d[1] - d[0]) * p as f64]
     }
 
     /// The two parts below and above `t`, in 0 to 1. They share the control point in the middle, weight and all.
     pub fn split(&self, t: f64) -> [Self; 2] {
         let p = self.degree();
-        let mut line = self.control.clone();
-        let [mut low, mut high] = [self.clone(), self.clone()];
-        for r in 0..=p {
-            low.control[r] = line[0];
-            high.control[p - r] = line[p - r];
+        let mut low = Vec::with_capacity(p + 1);
+        // What is done with in a row of the triangle is a point of the part above.
+        let mut high = self.control.clone();
+        for r in 0..p + 1 {
+            low.push(high[0]);
             for i in 0..p - r {
-                line[i] = line[i] * (1.0 - t) + line[i + 1] * t;
+                high[i] = high[i] * (1.0 - t) + high[i + 1] * t;
             }
         }
-        [low, high]
+        [Self { control: low }, Self { control: high }]
     }
 
     /// The same curve run backwards.
@@ -224,6 +223,20 @@ const GAUSS_LEGENDRE: [[f64; 2]; 8] = [
     [0.944_575_023_073_232_6, 0.062_253_523_938_647_89],
     [0.989_400_934_991_649_9, 0.027_152_459_411_754_095],
 ];
+
+/// The point and its derivative at `t` of at most `C` homogeneous points.
+#[inline(always)]
+fn de_casteljau<const C: usize>(control: &[DVec3], t: f64) -> [DVec3; 2] {
+    let p = control.len() - 1;
+    let mut d = [DVec3::ZERO; C];
+    d[..p + 1].copy_from_slice(control);
+    for r in 1..p {
+        for i in 0..p - r + 1 {
+            d[i] = d[i] * (1.0 - t) + d[i + 1] * t;
+        }
+    }
+    [d[0] * (1.0 - t) + d[1] * t, (d[1] - d[0]) * p as f64]
+}
 
 fn project(c: DVec3) -> DVec2 {
     c.truncate() / c.z

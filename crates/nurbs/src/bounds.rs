@@ -56,12 +56,14 @@ impl Hull {
 }
 
 /// The length of a vector, also where the square of it leaves f64.
-pub(crate) fn length(v: DVec3) -> f64 {
+fn length(v: DVec3) -> f64 {
     let unit = power_of_two(v.abs().max_element());
-    (v / unit).length() * unit
+    (v * unit.recip()).length() * unit
 }
 
 /// The greatest power of two that is at most `x`, which is not negative; at least the smallest normal number.
+///
+/// Its reciprocal is exact, so that the product with that has the bits of the quotient.
 pub(crate) fn power_of_two(x: f64) -> f64 {
     f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
 }

@@ -1,7 +1,7 @@
 //! What a surface looks like at a point: its normal, with how far to trust it, and its curvatures.
 
 use crate::basis::binomial;
-use crate::bounds::{length, power_of_two};
+use crate::bounds::power_of_two;
 use crate::{Direction, SecondDerivatives, Surface};
 use glam::{DVec2, DVec3};
 
@@ -118,25 +118,27 @@ impl Surface {
     }
 
     fn interrogate(&self, d: SecondDerivatives, span: [usize; 2], t: impl FnOnce() -> DVec2) -> SurfacePoint {
-        let flat = self.collapsed(&d);
-        let [unit_u, unit_v] = [d.su, d.sv].map(|d| power_of_two(d.abs().max_element()));
-        let (su, sv) = (d.su / unit_u, d.sv / unit_v);
-        let cross = su.cross(sv);
-        if !flat[0] && !flat[1] && cross.length() > PARALLEL * su.length() * sv.length() {
+        let tangents = [d.su, d.sv].map(Tangent::new);
+        let flat = self.collapsed(&tangents);
+        let [u, v] = &tangents;
+        let cross = u.scaled.cross(v.scaled);
+        if flat == [false; 2] && cross.length() > PARALLEL * u.length * v.length {
             let n = cross.normalize();
-            let curvature = curvature(&d, [unit_u, unit_v], n);
+            let curvature = curvature(&d, &tangents, n);
             return SurfacePoint { derivatives: d, normal: Normal::Regular(n), curvature: Some(curvature) };
         }
         SurfacePoint { derivatives: d, normal: self.limit_normal(span, t(), flat), curvature: None }
     }
 
     /// Whether S_u and S_v are zero to what the control points can tell.
-    fn collapsed(&self, d: &SecondDerivatives) -> [bool; 2] {
+    fn collapsed(&self, tangents: &[Tangent; 2]) -> [bool; 2] {
         let hull = self.hull();
         let farthest = hull.min.abs().max(hull.max.abs()).max_element();
         let least = hull.diagonal() * COLLAPSED + farthest * 2.0 * f64::EPSILON;
-        let domain = |direction| self.knots(direction).length();
-        [length(d.su) * domain(Direction::U) <= least, length(d.sv) * domain(Direction::V) <= least]
+        [Direction::U, Direction::V].map(|direction| {
+            let Tangent { length, unit, .. } = tangents[direction as usize];
+            length * unit * self.knots(direction).length() <= least
+        })
     }
 
     /// The limit of the normal at `t` of a span, if it is the same from every side in the span.
@@ -154,6 +156,27 @@ impl Surface {
         });
         let Some(first) = limits.next() else { return Normal::Undefined };
         if limits.all(|other| first.distance(other) <= ONE_LIMIT) { Normal::Limit(first) } else { Normal::Undefined }
+    }
+}
+
+/// S_u or S_v in a unit near its length: no square of it leaves f64.
+struct Tangent {
+    /// In that unit.
+    scaled: DVec3,
+    /// In that unit: 1 to 4, or less where it is below the smallest normal number.
+    length: f64,
+    /// A power of two, model units per unit of the parameter.
+    unit: f64,
+    /// 1 / `unit`, exact.
+    scale: f64,
+}
+
+impl Tangent {
+    fn new(derivative: DVec3) -> Self {
+        let unit = power_of_two(derivative.abs().max_element());
+        let scale = unit.recip();
+        let scaled = derivative * scale;
+        Self { scaled, length: scaled.length(), unit, scale }
     }
 }
 
@@ -184,24 +207,24 @@ fn limit_along(table: &[Vec<DVec3>], [du, dv]: [f64; 2], [flat_u, flat_v]: [bool
 /// which the textbook √(H² − K) has. Of the two the one that is smaller in size is K over the other, for in H ∓ the root it
 /// cancels: where one is 1e10 times the other nothing would be left.
 ///
-/// The parameters are counted in units of 1 / `units`, powers of two near |S_u| and |S_v|: then no square leaves f64.
-fn curvature(d: &SecondDerivatives, [unit_u, unit_v]: [f64; 2], n: DVec3) -> Curvature {
-    let (su, sv) = (d.su / unit_u, d.sv / unit_v);
-    let length = su.length();
-    let e1 = su / length;
+/// The parameters are counted in units in which the tangents are about 1 long: then no square leaves f64.
+fn curvature(d: &SecondDerivatives, [u, v]: &[Tangent; 2], n: DVec3) -> Curvature {
+    let length = u.length;
+    let e1 = u.scaled / length;
     let e2 = n.cross(e1);
     // S_v = f e1 + g e2; the inverse of that change of basis is applied to L, M, N.
-    let (f, g) = (sv.dot(e1), sv.dot(e2));
-    let l = (d.suu / unit_u / unit_u).dot(n);
-    let m = (d.suv / unit_u / unit_v).dot(n);
-    let nn = (d.svv / unit_v / unit_v).dot(n);
+    let (f, g) = (v.scaled.dot(e1), v.scaled.dot(e2));
+    let l = (d.suu * u.scale * u.scale).dot(n);
+    let m = (d.suv * u.scale * v.scale).dot(n);
+    let nn = (d.svv * v.scale * v.scale).dot(n);
     let shear = f / length;
     let a = l / (length * length);
     let b = (m - shear * l) / (length * g);
     let c = (nn - 2.0 * shear * m + shear * shear * l) / (g * g);
     // In units of a power of two, in which K does not leave f64.
     let unit = power_of_two(a.abs().max(b.abs()).max(c.abs()));
-    let (a, b, c) = (a / unit, b / unit, c / unit);
+    let scale = unit.recip();
+    let (a, b, c) = (a * scale, b * scale, c * scale);
     let mean = 0.5 * (a + c);
     let x = 0.5 * (a - c);
     // Not `hypot`: that is the platform's, and this must be the same everywhere.

@@ -209,6 +209,7 @@ impl Surface {
     ///
     /// So nothing is lost where the domain is far from zero (knots from 1e9 to 1e9 + 1e-3) or a span is short. The
     /// derivatives are by u and v all the same. Error as [`Self::first_derivatives`], at every `t` exactly.
+    #[inline]
     pub fn first_derivatives_local(&self, span: [usize; 2], t: DVec2) -> FirstDerivatives {
         match self.degree() {
             [3, 3] => self.first_local::<4>(3, 3, span, t),
@@ -234,10 +235,10 @@ impl Surface {
     /// S and all derivatives to second order, by u and v, at `t` in 0 to 1 of a nonempty span in each direction, without
     /// forming u and v: see [`Self::first_derivatives_local`].
     pub fn second_derivatives_local(&self, span: [usize; 2], t: DVec2) -> SecondDerivatives {
-        let [p, q] = self.degree();
-        let nu = basis_local::<MAX_ORDER, true>(&self.knots[0], p, span[0], t.x);
-        let nv = basis_local::<MAX_ORDER, true>(&self.knots[1], q, span[1], t.y);
-        self.second_order(p, q, span, &nu, &nv)
+        match self.degree() {
+            [3, 3] => self.second_local::<4>(3, 3, span, t),
+            [p, q] => self.second_local::<MAX_ORDER>(p, q, span, t),
+        }
     }
 
     #[inline(always)]
@@ -262,6 +263,13 @@ impl Surface {
     }
 
     #[inline(always)]
+    fn second_local<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], t: DVec2) -> SecondDerivatives {
+        let nu = basis_local::<C, true>(&self.knots[0], p, span[0], t.x);
+        let nv = basis_local::<C, true>(&self.knots[1], q, span[1], t.y);
+        self.second_order(p, q, span, &nu, &nv)
+    }
+
+    #[inline(always)]
     fn first_order<const C: usize>(
         &self,
         p: usize,
@@ -277,10 +285,10 @@ impl Surface {
         // Two components at a time, so that all running sums stay in registers.
         for half in [0, 2] {
             let [mut sum, mut sum_u, mut sum_v] = [[0.0; 2]; 3];
-            for i in 0..=p {
+            for i in 0..p + 1 {
                 let points = &net[i * columns..][..q + 1];
                 let [mut row, mut row_v] = [[0.0; 2]; 2];
-                for j in 0..=q {
+                for j in 0..q + 1 {
                     let c = [points[j][half], points[j][half + 1]];
                     add_scaled(&mut row, nv.value[j], &c);
                     add_scaled(&mut row_v, nv.first[j], &c);
@@ -310,7 +318,7 @@ impl Surface {
         nv: &Basis<C>,
     ) -> SecondDerivatives {
         let mut sums = [[0.0; 4]; 6];
-        for i in 0..=p {
+        for i in 0..p + 1 {
             let mut rows = [[0.0; 4]; 3];
             for (j, c) in self.row(span_u - p + i, span_v - q, q).iter().enumerate() {
                 add_scaled(&mut rows[0], nv.value[j], c);

@@ -7,16 +7,17 @@ use crate::tree_2d::{Node, grow};
 use crate::trim::Classifier;
 use glam::DVec2;
 use nurbs::Rectangle;
+use std::borrow::Cow;
 
 /// The faces of one surface by where they have material.
 pub(crate) struct Faces {
-    /// In the order of the tree's leaves.
+    /// In the order of the tree's leaves; in a leaf that is the whole tree, ascending.
     faces: Vec<u32>,
     nodes: Vec<Node>,
 }
 
 impl Faces {
-    /// Takes the faces of a surface; `classifier` yields that of a face that is trimmed.
+    /// Takes the faces of a surface, ascending; `classifier` yields that of a face that is trimmed.
     pub fn new<'c>(faces: &[u32], classifier: impl Fn(u32) -> Option<&'c Classifier>) -> Self {
         let all = Rectangle { min: DVec2::NEG_INFINITY, max: DVec2::INFINITY };
         let mut boxes: Vec<(Rectangle, u32)> =
@@ -27,8 +28,13 @@ impl Faces {
         Self { faces: boxes.into_iter().map(|(_, face)| face).collect(), nodes }
     }
 
-    /// The faces whose boxes may meet a rectangle, ascending; a margin that is not a number leaves none out.
-    pub fn near(&self, low: DVec2, high: DVec2) -> Vec<u32> {
+    /// The faces whose boxes may meet the rectangle from `low` to `high`, ascending; a margin that is not a number leaves
+    /// none out. Where the tree is one leaf, all faces: `rectangle` is not asked for, since to ask them takes no longer.
+    pub fn near(&self, rectangle: impl FnOnce() -> [DVec2; 2]) -> Cow<'_, [u32]> {
+        if self.nodes[0].halves.is_none() {
+            return Cow::Borrowed(&self.faces);
+        }
+        let [low, high] = rectangle();
         let mut found = vec![];
         let mut stack = vec![0];
         while let Some(node) = stack.pop() {
@@ -41,6 +47,6 @@ impl Faces {
             }
         }
         found.sort_unstable();
-        found
+        Cow::Owned(found)
     }
 }

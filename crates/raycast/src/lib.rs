@@ -35,7 +35,7 @@ use pieces::{Body, Piece, Pieces};
 use rayon::prelude::*;
 use roots::{Found, Search};
 use scene::{Camera, FaceId, Model, Ray, Viewport};
-use std::cell::RefCell;
+use std::cell::{LazyCell, RefCell};
 use tree::Tree;
 pub use trim::{Classifier, PictureMap, Side};
 
@@ -158,7 +158,7 @@ impl<'m> Caster<'m> {
             match outcome {
                 Ok(point) if point.t >= ray.near && best.as_ref().is_none_or(|(old, _)| point.t <= old.t) => {
                     let key = |(point, face): &(Point, u32)| (point.t, *face, point.uv.x, point.uv.y);
-                    let found = self.material_faces(ray, body, point.uv).first().map(|&face| (point, face));
+                    let found = self.material_faces(ray, body, point.uv).next().map(|face| (point, face));
                     best = match (found, best) {
                         (Some(found), Some(old)) if key(&found) < key(&old) => Some(found),
                         (found, old) => old.or(found),
@@ -265,24 +265,33 @@ impl<'m> Caster<'m> {
 
     /// The faces of a body that have material at parameters `uv`, ascending: a trim edge within [`EDGE_BOUNDS`] times the
     /// distance at which a point counts as on the ray is material, so that a ray at an edge that two faces share meets one.
-    fn material_faces(&self, ray: &Ray, body: &Body, uv: DVec2) -> Vec<u32> {
-        let d = body.surface.first_derivatives(uv.x, uv.y);
-        let speeds = DVec2::new(d.su.length(), d.sv.length());
-        let reach = EDGE_BOUNDS * Line::new(ray, normals(ray.direction), body).tolerance;
-        let mut faces = self.faces[body.index].near(uv - reach / speeds, uv + reach / speeds);
-        faces.retain(|&face| {
-            self.classifiers[face as usize]
-                .as_ref()
-                .is_none_or(|classifier| classifier.inside(uv) || classifier.is_at_edge(uv, speeds, reach))
+    fn material_faces<'a>(&'a self, ray: &'a Ray, body: &'a Body, uv: DVec2) -> impl Iterator<Item = u32> + 'a {
+        // Seldom wanted: most points are well inside of a face.
+        let metric = LazyCell::new(move || {
+            let d = body.surface.first_derivatives(uv.x, uv.y);
+            let reach = EDGE_BOUNDS * Line::new(ray, normals(ray.direction), body).tolerance;
+            (DVec2::new(d.su.length(), d.sv.length()), reach)
         });
-        faces
+        let faces = self.faces[body.index].near(|| {
+            let (speeds, reach) = *metric;
+            [uv - reach / speeds, uv + reach / speeds]
+        });
+        let is_material = move |face: &u32| {
+            self.classifiers[*face as usize].as_ref().is_none_or(|classifier| {
+                classifier.inside(uv) || {
+                    let (speeds, reach) = *metric;
+                    classifier.is_at_edge(uv, speeds, reach)
+                }
+            })
+        };
+        (0..faces.len()).map(move |k| faces[k]).filter(is_material)
     }
 
     /// Whether some face of a body has material in a box of parameters, as far as the distance of the edges tells.
     fn may_be_material(&self, body: &Body, Undecided { uv_low, uv_high, .. }: &Undecided) -> bool {
         let (middle, half) = (0.5 * (*uv_low + *uv_high), 0.5 * (*uv_high - *uv_low));
         let reach = DVec2::splat(half.length());
-        self.faces[body.index].near(middle - reach, middle + reach).into_iter().any(|face| {
+        self.faces[body.index].near(|| [middle - reach, middle + reach]).iter().any(|&face| {
             self.classifiers[face as usize].as_ref().is_none_or(|classifier| {
                 let side = classifier.side(middle, DVec2::ONE);
                 side.inside || side.distance <= half.length()

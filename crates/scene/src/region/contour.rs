@@ -18,7 +18,8 @@ const HEIGHTS: usize = 5;
 /// A loop with what is needed to say whether a point lies in it.
 pub(super) struct Contour<'a> {
     pub chain: &'a Chain,
-    pub monotone: Vec<BezierCurve>,
+    /// The segments cut where u or v turns back.
+    pub monotone: Vec<Segment>,
     /// Signed, of one copy.
     pub area: f64,
     /// Offsets by whole periods at which it reaches into the domain.
@@ -46,7 +47,7 @@ impl<'a> Contour<'a> {
         let Rectangle { min, max } = self.chain.hull;
         // No even share: corners of shapes along the axes stand there.
         let height = |i: usize| min.y + (max.y - min.y) * (i as f64 + 0.618) / HEIGHTS as f64;
-        (0..HEIGHTS).filter_map(|i| widest(&self.monotone, height(i))).collect()
+        (0..HEIGHTS).filter_map(|i| widest(curves(&self.monotone), height(i))).collect()
     }
 
     /// Whether a copy of the loop holds the point.
@@ -54,14 +55,14 @@ impl<'a> Contour<'a> {
         let inside = |offset: &DVec2| {
             let local = point - *offset;
             let hull = self.chain.hull;
-            hull.min.cmple(local).all() && local.cmple(hull.max).all() && winding(&self.monotone, local) != 0
+            hull.min.cmple(local).all() && local.cmple(hull.max).all() && winding(curves(&self.monotone), local) != 0
         };
         self.copies.iter().any(inside)
     }
 }
 
 /// The middle of the widest stretch of a height that is inside a closed chain of monotone pieces.
-fn widest(pieces: &[BezierCurve], v: f64) -> Option<DVec2> {
+fn widest<'a>(pieces: impl IntoIterator<Item = &'a BezierCurve>, v: f64) -> Option<DVec2> {
     let mut crossings: Vec<(f64, i32)> = vec![];
     for piece in pieces {
         let (a, b) = (piece.start().y, piece.end().y);
@@ -111,8 +112,15 @@ pub(super) fn signed_area(segments: &[Segment]) -> f64 {
     segments.iter().map(|s| s.curve.area(about)).sum()
 }
 
-pub(super) fn monotone(segments: &[Segment]) -> Vec<BezierCurve> {
-    segments.iter().flat_map(|s| s.curve.monotone_pieces()).collect()
+/// Segments cut where u or v turns back.
+pub(super) fn monotone(segments: &[Segment]) -> Vec<Segment> {
+    let pieces = |s: &Segment| s.curve.monotone_pieces().into_iter();
+    segments.iter().flat_map(|s| pieces(s).map(|curve| Segment { curve, ..*s })).collect()
+}
+
+/// The curves of segments.
+pub(super) fn curves(segments: &[Segment]) -> impl Iterator<Item = &BezierCurve> {
+    segments.iter().map(|s| &s.curve)
 }
 
 /// The winding number of a closed chain of monotone pieces about a point, by crossings with the ray toward +u.
@@ -126,10 +134,33 @@ pub(super) fn winding<'a>(pieces: impl IntoIterator<Item = &'a BezierCurve>, poi
         if !(low <= point.y && point.y < high) || a.x.max(b.x) <= point.x {
             continue;
         }
-        let right = point.x < a.x.min(b.x) || point.x < at_height(piece, point.y);
+        let right = point.x < a.x.min(b.x) || is_beyond(piece, point);
         sum += i32::from(right) * if a.y < b.y { 1 } else { -1 };
     }
     sum
+}
+
+/// Whether a monotone piece passes the height of a point, within its range, at a greater u than the point's.
+///
+/// As [`at_height`] says, but ended where both ends of what is left of the piece are on one side of the point.
+fn is_beyond(piece: &BezierCurve, point: DVec2) -> bool {
+    let rises = piece.start().y < piece.end().y;
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut ends = [piece.start().x, piece.end().x];
+    loop {
+        let middle = 0.5 * (low + high);
+        let at = piece.point(middle);
+        let is_last = middle <= low || middle >= high;
+        if (at.y <= point.y) == rises {
+            (low, ends[0]) = (middle, at.x)
+        } else {
+            (high, ends[1]) = (middle, at.x)
+        }
+        let is_below = ends.map(|u| point.x < u);
+        if is_last || is_below[0] == is_below[1] {
+            return point.x < at.x;
+        }
+    }
 }
 
 /// u of a piece, monotone in v, at height `v` within its range.
@@ -143,5 +174,44 @@ fn at_height(piece: &BezierCurve, v: f64) -> f64 {
             return point.x;
         }
         if (point.y <= v) == rises { low = middle } else { high = middle }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// Numbers in [0, 1), the same on every machine (Steele & Vigna 2021, splitmix64).
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    #[test]
+    fn the_side_of_a_piece_is_that_of_its_point_at_the_same_height() {
+        let mut state = 7;
+        let mut beyond = 0;
+        for case in 0..2000 {
+            let control = (0..2 + case % 4).map(|_| {
+                let [u, v, w] = [0; 3].map(|_| random(&mut state));
+                DVec3::new(u, v, 1.0) * (0.1 + w)
+            });
+            let curve = BezierCurve::new(control.collect()).expect("a legal curve");
+            for piece in curve.monotone_pieces() {
+                let Rectangle { min, max } = piece.hull();
+                let inside = min + (max - min) * DVec2::new(random(&mut state), random(&mut state));
+                let at = at_height(&piece, inside.y);
+                let near = [at - 1e-12, at + 1e-12].map(|u| DVec2::new(u, inside.y));
+                for point in [inside, near[0], near[1]] {
+                    assert_eq!(is_beyond(&piece, point), point.x < at, "case {case}: {point:?} of {piece:?}");
+                    beyond += usize::from(point.x < at);
+                }
+            }
+        }
+        assert!(beyond > 1000, "{beyond}");
     }
 }

@@ -5,11 +5,10 @@
 //!
 //! Loops do not cross, so that of two whose insides meet the larger holds the smaller, whatever sides they share.
 
-use super::contour::{Contour, monotone, winding};
+use super::contour::{Contour, curves, monotone, winding};
 use super::{ClosedLoop, Frame, Repairs, Segment};
 use crate::SceneError;
 use glam::DVec2;
-use nurbs::BezierCurve;
 
 /// Relative difference of areas below which neither loop is the larger: that of their computation.
 const EQUAL: f64 = 1e-11;
@@ -25,7 +24,7 @@ pub(super) fn place(
     if is_cut_from_whole {
         loops.push(ClosedLoop { segments: frame.boundary(), depth: 0, source: None });
     }
-    let around: Vec<Vec<BezierCurve>> = loops.iter().map(|l| monotone(&l.segments)).collect();
+    let around: Vec<Vec<Segment>> = loops.iter().map(|l| monotone(&l.segments)).collect();
     for contour in contours {
         let within = if is_cut_from_whole { Around::Whole } else { Around::Rings(&around) };
         let depth = depth(frame, contour, contours, &within);
@@ -73,7 +72,7 @@ enum Around<'a> {
     /// The natural boundary, which holds all, also what leaves an open domain.
     Whole,
     /// Closed chains of monotone pieces: the loops that go around.
-    Rings(&'a [Vec<BezierCurve>]),
+    Rings(&'a [Vec<Segment>]),
 }
 
 /// In how many of the other loops a loop lies: what most points inside it say.
@@ -83,7 +82,7 @@ fn depth(frame: &Frame, contour: &Contour, all: &[Contour], around: &Around) -> 
         let point = into_domain(frame, &contour.copies, point);
         let is_around = match around {
             Around::Whole => true,
-            Around::Rings(rings) => rings.iter().map(|ring| winding(ring, point)).sum::<i32>() != 0,
+            Around::Rings(rings) => rings.iter().map(|ring| winding(curves(ring), point)).sum::<i32>() != 0,
         };
         usize::from(is_around) + holders.iter().filter(|other| other.holds(point)).count()
     };
