@@ -31,18 +31,39 @@ fn vertex(in: VertexInput) -> VertexOutput {
     return out;
 }
 
-// The program at the interpolated (u, v); what lies behind is seen where the face does not cover the pixel.
+// The program at the interpolated (u, v), but on a skirt at the nearest place of its span; what lies behind is seen where the
+// face does not cover the pixel.
 fn shown(in: VertexOutput) -> Fragment {
-    let given = Parameters(in.span, in.uv);
-    let f = fragment(in.face, given);
-    if (TRIMMED) {
-        let at = footprint(sight(views[in.face], in.clip.xy), f.whole, f.position, f.su, f.sv);
-        let on_skirt = is_on_skirt(faces[in.face], given);
-        if ((on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX) || !is_shown(faces[in.face], at)) {
+    let face = faces[in.face];
+    var f: Fragment;
+    var given = Parameters(in.span, in.uv);
+    var is_last = !TRIMMED;
+    // A loop, so that the program stands there once.
+    loop {
+        f = fragment(in.face, given);
+        if (is_last) {
+            break;
+        }
+        let pixel = sight(views[in.face], in.clip.xy);
+        let at = footprint(pixel, f.whole, f.position, f.su, f.sv);
+        let on_skirt = is_on_skirt(face, given);
+        if ((on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX) || !is_shown(face, at)) {
             discard;
         }
+        if (!on_skirt) {
+            break;
+        }
+        given.uv = nearest_on_span(face, f, pixel);
+        is_last = true;
     }
     return f;
+}
+
+// The place of a fragment's span that is nearest to a pixel in the picture, by the span's own parameters.
+fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> vec2<f32> {
+    let length_u = span_of(face.table_u, face.spans_u, degree(face.degree_u), f.span.x).length;
+    let length_v = span_of(face.table_v, face.spans_v, degree(face.degree_v), f.span.y).length;
+    return nearest(footprint(pixel, f.uv, f.position, f.su * length_u, f.sv * length_v));
 }
 
 @fragment

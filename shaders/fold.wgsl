@@ -24,7 +24,8 @@ fn again(piece: PieceRecord, s: Sight, end: Place, is_met: bool, queue: ptr<func
     if (abs(aside(start)) > ASIDE) {
         let along = select(vec2<f32>(0.0, 1.0), vec2<f32>(1.0, 0.0), u_is_stronger(start));
         let uv = start.uv + aside(start) * along * size;
-        start = place(piece, s, min(max(uv, piece.rectangle.xy - BEYOND * size), piece.rectangle.zw + BEYOND * size));
+        let beyond = BEYOND * size;
+        start = place(piece, s, min(max(uv, piece.rectangle.xy - beyond), piece.rectangle.zw + beyond), true);
     }
     let u_is_strong = u_is_stronger(start);
     let products = products(start);
@@ -56,7 +57,7 @@ fn again(piece: PieceRecord, s: Sight, end: Place, is_met: bool, queue: ptr<func
         if ((k == 0u && least > -SHORT) || (k == 1u && greatest < SHORT)) {
             continue;
         }
-        let there = place(piece, s, piece.rectangle.xy + (share + last * direction) * size);
+        let there = place(piece, s, piece.rectangle.xy + (share + last * direction) * size, true);
         let at_last = height(there, u_is_strong, direction);
         // Hermite: height + t (slope + t (square + t cube)).
         let chord = (at_last.x - at_start.x) / last;

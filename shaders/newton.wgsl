@@ -17,6 +17,9 @@ const PATIENCE_EDGE_ON: u32 = 1u;
 const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
 const ONE_END: f32 = 1.0 / 64.0;
 const LARGE_PX: f32 = 1024.0;
+const NEAR_TWISTED_PX: f32 = 1.0 / 2.0;
+const RESTARTS: u32 = 5u;
+const APPROACHES: u32 = 4u;
 const DAMPING: f32 = 1.0 / 1048576.0;
 
 const HIT: u32 = 0u;
@@ -54,6 +57,8 @@ struct End {
 struct Seeds {
     first: vec2<f32>,
     last: vec2<f32>,
+    // w where the ray comes into the hull, in front of the near plane.
+    nearest_w: f32,
     any: bool,
 }
 
@@ -71,19 +76,21 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
     }
     let given = queue.count;
     var before = vec2<f32>(GREATEST);
-    var restarted = false;
+    var restarts = QUEUE;
     var best = Outcome(MISS, vec2<f32>(), 0.0);
     for (var k = 0u; k < queue.count; k++) {
-        let end = search(piece, s, queue.seeds[k]);
+        let is_restart = restarts <= k && k < restarts + RESTARTS;
+        let end = search(piece, s, queue.seeds[k], select(0u, APPROACHES, is_restart));
         let next = end.outcome;
         let nearer = next.status == HIT && (best.status != HIT || next.depth > best.depth)
             && (!TRIMMED || is_shown(faces[piece.face], footprint_of(piece, end.at, next.uv)));
         if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
             best = next;
         }
-        let missed = next.status == MISS && (end.at.w <= 0.0 || end.at.side_squared > LARGE_PX * LARGE_PX);
-        if (k < given && !restarted && (missed || next.status == UNCONVERGED)) {
-            restarted = true;
+        let missed = next.status == MISS
+            && (end.at.w <= 0.0 || is_large_near(end.at, found.nearest_w) || is_near_twisted(piece, end.at));
+        if (k < given && restarts == QUEUE && (missed || next.status == UNCONVERGED)) {
+            restarts = queue.count;
             let size = extent(piece);
             push(&queue, piece.rectangle.xy + vec2<f32>(0.5, 0.5) * size);
             push(&queue, piece.rectangle.xy + vec2<f32>(0.125, 0.125) * size);
@@ -97,6 +104,14 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
         before = end.at.uv;
     }
     return best;
+}
+
+fn is_large_near(at: Place, nearest_w: f32) -> bool {
+    return at.side_squared * (at.w * at.w) > LARGE_PX * LARGE_PX * (nearest_w * nearest_w);
+}
+
+fn is_near_twisted(piece: PieceRecord, at: Place) -> bool {
+    return piece.patience > 0u && at.squared <= NEAR_TWISTED_PX * NEAR_TWISTED_PX;
 }
 
 // The footprint of a pixel whose ray meets the piece at `uv`, by the place where the search came to know.
@@ -159,6 +174,7 @@ fn seeds(piece: PieceRecord, s: Sight) -> Seeds {
     out.any = near <= far;
     out.first = parameters(piece, start, direction, near);
     out.last = parameters(piece, start, direction, far);
+    out.nearest_w = min(plane(s.w, center + (start + near * direction)), plane(s.w, center + (start + far * direction)));
     return out;
 }
 
@@ -180,7 +196,7 @@ fn extent(piece: PieceRecord) -> vec2<f32> {
     return piece.rectangle.zw - piece.rectangle.xy;
 }
 
-fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> End {
+fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>, approaches: u32) -> End {
     let size = extent(piece);
     let low = piece.rectangle.xy - BEYOND * size;
     let high = piece.rectangle.zw + BEYOND * size;
@@ -189,12 +205,17 @@ fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>) -> End {
     var step = vec2<f32>();
     var doubts = 0u;
     var halvings = 0u;
-    for (var k = 0u; k < EVALUATIONS; k++) {
-        let next = place(piece, s, uv);
-        let comes_forward = k > 0u && best.w <= 0.0 && next.w > 0.0;
-        let goes_back = k > 0u && best.w > 0.0 && next.w <= 0.0;
-        let improved = k == 0u || comes_forward || (!goes_back && next.squared < best.squared);
-        let slow = k > 0u && !comes_forward && next.squared > (1.0 - SLOW) * best.squared;
+    for (var k = 0u; k < approaches + EVALUATIONS; k++) {
+        let next = place(piece, s, uv, k >= approaches);
+        if (k < approaches) {
+            uv = min(max(uv + slid(next, newton_step(next), low, high) * size, low), high);
+            continue;
+        }
+        let is_first = k == approaches;
+        let comes_forward = !is_first && best.w <= 0.0 && next.w > 0.0;
+        let goes_back = !is_first && best.w > 0.0 && next.w <= 0.0;
+        let improved = is_first || comes_forward || (!goes_back && next.squared < best.squared);
+        let slow = !is_first && !comes_forward && next.squared > (1.0 - SLOW) * best.squared;
         if (improved) {
             best = next;
             step = slid(best, newton_step(best), low, high);
@@ -271,7 +292,7 @@ fn moved(at: Place, step: vec2<f32>) -> vec2<f32> {
     return at.along_u * step.x + at.along_v * step.y;
 }
 
-fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
+fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>, is_divided: bool) -> Place {
     evaluations += 1u;
     let face = faces[piece.face];
     let p = degree(face.degree_u);
@@ -286,7 +307,8 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     var out: Place;
     out.uv = uv;
     out.w = w;
-    let divisor = select(1.0, w, w > 0.0);
+    let divided = is_divided && w > 0.0;
+    let divisor = select(1.0, w, divided);
     out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / divisor;
     out.squared = dot(out.offset, out.offset);
     let pixels = squared_pixels(s, divisor);
@@ -297,7 +319,7 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>) -> Place {
     out.sides_squared = side_u * side_v;
     out.depth.x = plane(s.z, d.s) / divisor;
     // Times w, the offset has slopes of its own.
-    let value = select(vec3<f32>(), vec3<f32>(out.offset, out.depth.x), w > 0.0);
+    let value = select(vec3<f32>(), vec3<f32>(out.offset, out.depth.x), divided);
     let along_u = along(s, value, d.su) * (size.x / divisor);
     let along_v = along(s, value, d.sv) * (size.y / divisor);
     out.along_u = along_u.xy;

@@ -96,6 +96,29 @@ fn reach_of(at: Footprint) -> Reach {
     return Reach(metric, sqrt(metric.xz));
 }
 
+// The place, of those whose parameters are from 0 to 1, that is nearest to the centre in the picture.
+fn nearest(at: Footprint) -> vec2<f32> {
+    let uu = at.right.x * at.right.x + at.up.x * at.up.x;
+    let uv = at.right.x * at.right.y + at.up.x * at.up.y;
+    let vv = at.right.y * at.right.y + at.up.y * at.up.y;
+    let inside = clamp(at.center, vec2<f32>(0.0), vec2<f32>(1.0));
+    let beyond = at.center - inside;
+    let on_u = vec2<f32>(inside.x, clamp(at.center.y - beyond.x * slope_of(uv, uu), 0.0, 1.0));
+    let on_v = vec2<f32>(clamp(at.center.x - beyond.y * slope_of(uv, vv), 0.0, 1.0), inside.y);
+    let u = on_u - at.center;
+    let v = on_v - at.center;
+    let distance_u = vv * u.x * u.x - 2.0 * uv * u.x * u.y + uu * u.y * u.y;
+    let distance_v = vv * v.x * v.x - 2.0 * uv * v.x * v.y + uu * v.y * v.y;
+    return select(on_v, on_u, distance_u <= distance_v);
+}
+
+fn slope_of(uv: f32, side: f32) -> f32 {
+    if (side > 0.0) {
+        return uv / side;
+    }
+    return 0.0;
+}
+
 fn is_shown(face: FaceRecord, at: Footprint) -> bool {
     if ((face.flags & BOUNDED) == 0u) {
         return true;

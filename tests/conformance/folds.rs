@@ -5,7 +5,7 @@ use pipeline::Sight;
 use pipeline::Technique;
 use pipeline::newton::{Outcome, solve};
 use raycast::Caster;
-use scene::{Camera, Projection, Viewport};
+use scene::{Camera, Model, Projection, Viewport};
 use xtask::stage::{Plan, Stage};
 
 /// A model, a view, and a pixel of 512 × 512 at which a search that starts at both ends of the hull ends twice at roots
@@ -51,6 +51,45 @@ fn a_root_beyond_the_fold_hides_those_that_the_first_searches_find() {
         let off = (uv - first.uv).abs() / DVec2::new(u1 - u0, v1 - v0);
         assert!(face == first.face.0 as usize && off.max_element() < 1e-3, "{name} ({x}, {y}): {uv}, not {}", first.uv);
     }
+}
+
+/// A case of `testdata/cases`.
+fn case(name: &str) -> Model {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../testdata/cases");
+    xtask::view::ModelArgs::named(&format!("{path}/{name}.json")).open().expect("a model")
+}
+
+/// How many pixels that technique `exact` shows differ from rays.
+fn differing(model: &Model, camera: Camera, viewport: Viewport) -> usize {
+    let plan = Plan { technique: Technique::Exact, ..Plan::default() };
+    let stage = Stage::new(model, camera, viewport, plan).expect("a stage");
+    let caster = Caster::new(model);
+    let pair = stage.against_raycast(&caster, &stage.raycast(&caster), &stage.raster()).expect("comparable");
+    println!("{:?} {:?}", pair.causes, pair.worst.first());
+    pair.differing()
+}
+
+/// From 1/1000 of its size the surface reaches from the eye to where it is small, and in pixels the offset leads there: 493
+/// pixels once showed what lies behind.
+#[test]
+fn a_search_that_starts_near_the_eye_is_not_led_away_from_it() {
+    let model = case("trim_3");
+    let viewport = Viewport::new(96, 72).expect("a legal size");
+    let projection = Projection::Perspective { fov_deg: 72.83409599991467 };
+    let eye = DVec3::new(2.2694716917022, 4.192841779356513, 1.6358780371390242);
+    let target = DVec3::new(2.273941624602277, 4.192333570345486, 1.6364603386366778);
+    let up = DVec3::new(0.4645647771349777, -0.012084040133327978, 0.30451191609102457);
+    let camera = Camera::look_at(eye, target, up, projection).expect("legal");
+    assert_eq!(differing(&model, camera, viewport), 0);
+}
+
+/// Both searches from the hull go to that end of a twisted piece that the root is not at, and stop a third of a pixel from
+/// the ray.
+#[test]
+fn a_twisted_piece_that_is_nearly_met_is_searched_from_more_places() {
+    let model = case("solid_3");
+    let viewport = Viewport::new(256, 256).expect("a legal size");
+    assert_eq!(differing(&model, Camera::framing(&model, viewport), viewport), 0);
 }
 
 /// The kernels and the program in Rust are twins: on an adapter that keeps strict order they evaluate the surface equally

@@ -8,7 +8,8 @@
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
 //!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
 //!   that is seen edge-on, `fold` says where the ray may meet the piece again, and more searches begin there; where it ends
-//!   behind the eye, without an answer, or without a hit of a large piece, at [`RESTARTS`].
+//!   behind the eye, without an answer, or without a hit of a piece that is large or twisted, at [`RESTARTS`], from
+//!   where the first [`APPROACHES`] steps take the offset times w.
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
 //!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
@@ -94,12 +95,20 @@ pub const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
 /// Two searches that end nearer to each other than this share of the piece have ended at one place.
 pub const ONE_END: f32 = 1.0 / 64.0;
 
-/// A piece whose longer side measures more than this, in pixels, is seen from so near that its picture is far from flat.
+/// A piece whose longer side measures more than this, in pixels, is seen from so near that its picture is far from flat. It is
+/// measured where the ray comes into its hull: a search that is led away from the eye ends where the piece is small.
 pub const LARGE_PX: f32 = 1024.0;
 
-/// Where a search from a seed of the hull ends behind the eye, or misses a [large](LARGE_PX) piece, or has no answer, others begin at
-/// these shares of the piece.
+/// A search that misses a twisted piece by no more than this, pixels, may have gone away from the root, beyond a fold.
+pub const NEAR_TWISTED_PX: f32 = 1.0 / 2.0;
+
+/// Where a search from a seed of the hull ends behind the eye, or misses a [large](LARGE_PX) piece or
+/// [nearly](NEAR_TWISTED_PX) a twisted one, or has no answer, others begin at these shares of the piece.
 pub const RESTARTS: [[f32; 2]; 5] = [[0.5, 0.5], [0.125, 0.125], [0.125, 0.875], [0.875, 0.125], [0.875, 0.875]];
+
+/// Steps of those searches by the offset times w, which go first and are not weighed: in pixels all is small far off, so that
+/// near the eye less offset leads away from it; times w the offset is as flat as the piece.
+pub const APPROACHES: u32 = 4;
 
 /// Weight of the damping then, as a share of the squared columns.
 pub const DAMPING: f32 = 1.0 / 1048576.0;
@@ -159,6 +168,8 @@ struct Problem<'a> {
     scene: &'a PackedScene,
     piece: &'a PieceRecord,
     sight: &'a Sight,
+    /// w where the ray comes into the hull, in front of the near plane.
+    nearest_w: f32,
     degree: [usize; 2],
     evaluations: Cell<u32>,
 }
@@ -171,10 +182,12 @@ struct End {
 
 /// The nearest point of a piece on a pixel's ray.
 pub fn solve(scene: &PackedScene, piece: &PieceRecord, sight: &Sight) -> Solution {
-    let Some(seeds) = seeds(piece, sight) else { return Solution { outcome: Outcome::Miss, evaluations: 0 } };
+    let Some((seeds, nearest_w)) = seeds(piece, sight) else {
+        return Solution { outcome: Outcome::Miss, evaluations: 0 };
+    };
     let face = &scene.faces[piece.face as usize];
     let degree = [face.degree_u, face.degree_v].map(|p| p as usize);
-    let problem = Problem { scene, piece, sight, degree, evaluations: Cell::new(0) };
+    let problem = Problem { scene, piece, sight, nearest_w, degree, evaluations: Cell::new(0) };
     match degree {
         [3, 3] => Problem { degree: [3, 3], ..problem }.search_all::<4>(seeds),
         [5, 5] => Problem { degree: [5, 5], ..problem }.search_all::<6>(seeds),
@@ -185,7 +198,7 @@ pub fn solve(scene: &PackedScene, piece: &PieceRecord, sight: &Sight) -> Solutio
 /// Parameters where the ray enters and leaves the hull, as if the piece were flat; `None` where it does not meet it in
 /// front of the near plane.
 #[inline]
-fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<[[f32; 2]; 2]> {
+fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<([[f32; 2]; 2], f32)> {
     let rows = &piece.hull_from_local;
     let center = [rows[0][3], rows[1][3], rows[2][3]];
     let [x, y] = [&sight.x, &sight.y].map(|p| [p[0], p[1], p[2]]);
@@ -229,7 +242,8 @@ fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<[[f32; 2]; 2]> {
         let [u, v] = [0, 1].map(|k| piece.flat[k] + piece.flat[2 + k] * h[k]);
         [inside(piece, 0, u), inside(piece, 1, v)]
     };
-    Some([parameters(near), parameters(far)])
+    let w = |along: f32| plane(&sight.w, std::array::from_fn(|i| center[i] + (from[i] + along * direction[i])));
+    Some(([parameters(near), parameters(far)], w(near).min(w(far))))
 }
 
 impl Problem<'_> {
@@ -247,11 +261,12 @@ impl Problem<'_> {
         let face = &self.scene.faces[self.piece.face as usize];
         let given = queue.count;
         let mut before = [f32::MAX; 2];
-        let mut restarted = false;
+        let mut restarts = QUEUE..QUEUE;
         let mut best = Outcome::Miss;
         let mut k = 0;
         while k < queue.count {
-            let end = self.search::<CAPACITY>(queue.seeds[k]);
+            let approaches = if restarts.contains(&k) { APPROACHES } else { 0 };
+            let end = self.search::<CAPACITY>(queue.seeds[k], approaches);
             best = match (best, end.outcome) {
                 (Outcome::Hit { depth: old, .. }, Outcome::Hit { depth: new, .. }) if new <= old => best,
                 (_, Outcome::Hit { uv, .. }) if is_shown(self.scene, face, &self.footprint(face, &end.at, uv)) => {
@@ -262,11 +277,11 @@ impl Problem<'_> {
             };
             let is_doubtful = match end.outcome {
                 Outcome::Hit { .. } => false,
-                Outcome::Miss => end.at.w <= 0.0 || end.at.side_squared > LARGE_PX * LARGE_PX,
+                Outcome::Miss => end.at.w <= 0.0 || self.is_large_near(&end.at) || is_near_twisted(self.piece, &end.at),
                 Outcome::Unconverged => true,
             };
-            if k < given && !restarted && is_doubtful {
-                restarted = true;
+            if k < given && restarts.is_empty() && is_doubtful {
+                restarts = queue.count..queue.count + RESTARTS.len();
                 for [s, t] in RESTARTS {
                     queue.push([0, 1].map(|k| self.piece.rectangle[k] + [s, t][k] * extent[k]));
                 }
@@ -282,18 +297,23 @@ impl Problem<'_> {
     }
 
     #[inline(always)]
-    fn search<const CAPACITY: usize>(&self, seed: [f32; 2]) -> End {
+    fn search<const CAPACITY: usize>(&self, seed: [f32; 2], approaches: u32) -> End {
         let piece = self.piece;
         let extent = extent(piece);
         let [low, high] = searched(piece);
         let mut uv = seed;
-        let mut best = self.place::<CAPACITY>(uv);
+        for _ in 0..approaches {
+            let at = self.place::<CAPACITY>(uv, false);
+            let step = slid(&at, newton_step(&at), low, high);
+            uv = [0, 1].map(|k| (uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
+        }
+        let mut best = self.place::<CAPACITY>(uv, true);
         let mut step = slid(&best, newton_step(&best), low, high);
         let (mut doubts, mut halvings) = (0, 0);
         for k in 0..EVALUATIONS {
             let (mut improved, mut slow) = (true, false);
             if k > 0 {
-                let next = self.place::<CAPACITY>(uv);
+                let next = self.place::<CAPACITY>(uv, true);
                 let comes_forward = best.w <= 0.0 && next.w > 0.0;
                 let goes_back = best.w > 0.0 && next.w <= 0.0;
                 improved = comes_forward || (!goes_back && next.squared < best.squared);
@@ -336,8 +356,8 @@ impl Problem<'_> {
     }
 
     #[inline(always)]
-    fn place<const CAPACITY: usize>(&self, uv: [f32; 2]) -> Place {
-        let &Self { scene, piece, sight, degree, ref evaluations } = self;
+    fn place<const CAPACITY: usize>(&self, uv: [f32; 2], is_divided: bool) -> Place {
+        let &Self { scene, piece, sight, degree, ref evaluations, .. } = self;
         evaluations.set(evaluations.get() + 1);
         let face = &scene.faces[piece.face as usize];
         let [span_u, span_v] = scene.spans(face, [piece.span_u, piece.span_v]);
@@ -348,10 +368,11 @@ impl Problem<'_> {
         let [s, su, sv] = [d.s, d.su, d.sv].map(|x| x.map(|x| x.0[0]));
         let extent = extent(piece);
         let w = plane(&sight.w, s);
-        let divisor = if w > 0.0 { w } else { 1.0 };
+        let divided = is_divided && w > 0.0;
+        let divisor = if divided { w } else { 1.0 };
         let [x, y, depth] = [&sight.x, &sight.y, &sight.z].map(|p| plane(p, s) / divisor);
         // Times w, the offset has slopes of its own.
-        let (offset, value) = ([x, y], if w > 0.0 { [x, y, depth] } else { [0.0; 3] });
+        let (offset, value) = ([x, y], if divided { [x, y, depth] } else { [0.0; 3] });
         let along = |derivative, extent: f32| sight.along(value, derivative).map(|slope| slope * (extent / divisor));
         let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
         let squared_pixels = sight.squared_pixels(divisor);
@@ -370,6 +391,12 @@ impl Problem<'_> {
             recedes: [along_u[3], along_v[3]],
             depth: [depth, along_u[2], along_v[2]],
         }
+    }
+
+    /// Whether the piece measures more than [`LARGE_PX`] where the ray comes into its hull, by what it does at a place.
+    #[inline(always)]
+    fn is_large_near(&self, at: &Place) -> bool {
+        at.side_squared * (at.w * at.w) > LARGE_PX * LARGE_PX * (self.nearest_w * self.nearest_w)
     }
 
     /// The footprint of a pixel whose ray meets the piece at `uv`, by the place where the search came to know.
@@ -480,6 +507,12 @@ fn slid(at: &Place, step: [f32; 2], low: [f32; 2], high: [f32; 2]) -> [f32; 2] {
         [false, true] => [along(at.along_u), 0.0],
         [false, false] => step,
     }
+}
+
+/// Whether a twisted piece is passed so near that the search may have gone to the wrong side of a fold.
+#[inline(always)]
+fn is_near_twisted(piece: &PieceRecord, at: &Place) -> bool {
+    piece.patience > 0 && at.squared <= NEAR_TWISTED_PX * NEAR_TWISTED_PX
 }
 
 /// Whether the piece is seen nearly edge-on there: what the tangent plane says does not reach far.

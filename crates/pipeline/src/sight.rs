@@ -10,8 +10,8 @@
 //! coincide leave no crack between them. Of two that cover one pixel there the nearer is seen, or the one drawn first.
 
 use crate::PackedScene;
-use crate::fragment::TangentPlane;
-use crate::layout::{BOUNDED, FaceRecord, View};
+use crate::fragment::{TangentPlane, is_on_skirt, tangent_plane};
+use crate::layout::{BOUNDED, FaceRecord, Parameters, View};
 use crate::trim::{self, Reach};
 
 /// How far beyond its border, natural or trimmed, a face covers a pixel's centre, pixels: two that share an edge to within
@@ -62,6 +62,26 @@ impl Footprint {
         let [a, b] = [self.right, self.up].map(|gain| gain.map(|t| t * self.near_px));
         let metric = [a[0] * a[0] + b[0] * b[0], a[0] * a[1] + b[0] * b[1], a[1] * a[1] + b[1] * b[1]];
         Reach { metric, extent: [metric[0].sqrt(), metric[2].sqrt()] }
+    }
+
+    /// The place, of those whose parameters are from 0 to 1, that is nearest to the centre in the picture.
+    ///
+    /// Where parameters come to the border at a slant, that is not the one with the nearest parameters: along each border
+    /// the other parameter goes where the distance is least, and the nearer of the two places stays.
+    fn nearest(&self) -> [f32; 2] {
+        let ([a, b], [c, d], center) = (self.right, self.up, self.center);
+        let [uu, uv, vv] = [a * a + c * c, a * b + c * d, b * b + d * d];
+        let inside = center.map(|t| t.clamp(0.0, 1.0));
+        let beyond = [0, 1].map(|k| center[k] - inside[k]);
+        let slope = |side: f32| if side > 0.0 { uv / side } else { 0.0 };
+        let on_u = [inside[0], (center[1] - beyond[0] * slope(uu)).clamp(0.0, 1.0)];
+        let on_v = [(center[0] - beyond[1] * slope(vv)).clamp(0.0, 1.0), inside[1]];
+        // Squared, times a factor that all places share.
+        let distance = |place: [f32; 2]| {
+            let [u, v] = [0, 1].map(|k| place[k] - center[k]);
+            vv * u * u - 2.0 * uv * u * v + uu * v * v
+        };
+        if distance(on_u) <= distance(on_v) { on_u } else { on_v }
     }
 }
 
@@ -117,6 +137,22 @@ impl Sight {
         let at = self.footprint(plane);
         !(plane.on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX)
             && is_shown(scene, &scene.faces[face as usize], &at)
+    }
+
+    /// Where a fragment shows its face: at its parameters, but on a skirt at the place of its span that is nearest to the
+    /// pixel in the picture, as the tangent plane at the border has it.
+    pub fn place(&self, scene: &PackedScene, face: u32, at: Parameters) -> Parameters {
+        let f = &scene.faces[face as usize];
+        if !is_on_skirt(f, at) {
+            return at;
+        }
+        let plane = tangent_plane(scene, face, at);
+        let spans = scene.spans(f, at.span);
+        // By the span's own parameters, which f32 resolves however short it is.
+        let by_span = |derivative: [f32; 3], k: usize| derivative.map(|x| x * spans[k].length);
+        let (su, sv) = (by_span(plane.su, 0), by_span(plane.sv, 1));
+        let plane = TangentPlane { uv: at.uv.map(|t| t.clamp(0.0, 1.0)), su, sv, ..plane };
+        Parameters { uv: self.footprint(&plane).nearest(), ..at }
     }
 }
 

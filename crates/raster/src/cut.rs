@@ -65,6 +65,16 @@ pub fn is_drawn(raster: &Rasterizer, face: u32, place: Parameters, at: [f32; 2])
     !is_bounded(raster, face) || covers(raster, face, &tangent_plane(raster.drawing.scene, face, place), at)
 }
 
+/// Where a fragment of a face, interpolated at picture position `at`, shows it.
+pub fn shown(raster: &Rasterizer, face: u32, place: Parameters, at: [f32; 2]) -> Parameters {
+    let drawing = &raster.drawing;
+    if is_bounded(raster, face) {
+        Sight::new(&drawing.views[face as usize], at).place(drawing.scene, face, place)
+    } else {
+        place
+    }
+}
+
 fn covers(raster: &Rasterizer, face: u32, plane: &TangentPlane, at: [f32; 2]) -> bool {
     let drawing = &raster.drawing;
     Sight::new(&drawing.views[face as usize], at).shows(drawing.scene, face, plane)

@@ -82,8 +82,9 @@ impl<'a> PointSampler<'a> {
             let attributes = geometry.attributes(drawing, id);
             let normal = drawing.options.interpolated_normals.then(|| triangle.interpolate(weights, attributes.normal));
             let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
-            let is_drawn = depth > 0.0 && cut::is_drawn(self.raster, attributes.face, place, [x as f32, y as f32]);
-            is_drawn.then_some(Sample { face: attributes.face, place, normal, depth })
+            let (face, at) = (attributes.face, [x as f32, y as f32]);
+            let is_drawn = depth > 0.0 && cut::is_drawn(self.raster, face, place, at);
+            is_drawn.then(|| Sample { face, place: cut::shown(self.raster, face, place, at), normal, depth })
         };
         let solved = |&id: &u32| {
             let (piece, triangle) = exact::far_side(self.raster, id, shift)?;

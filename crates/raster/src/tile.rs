@@ -2,7 +2,7 @@
 
 use crate::Rasterizer;
 use crate::coverage::for_each_covered;
-use crate::cut::{Waiting, is_bounded};
+use crate::cut::{self, Waiting, is_bounded};
 use crate::depth::{DepthTile, TILE};
 use crate::exact;
 use crate::rect::Rect;
@@ -137,7 +137,8 @@ fn interpolated(raster: &Rasterizer, triangles: &[u32], rect: Rect) -> Vec<Optio
             let (x, y) = position(rect, pixel);
             let weights = triangle.weights(x, y);
             let uv = triangle.interpolate(weights, attributes.uv);
-            run.places.push(Parameters { span: attributes.span, uv });
+            let place = Parameters { span: attributes.span, uv };
+            run.places.push(cut::shown(raster, attributes.face, place, [x as f32 + 0.5, y as f32 + 0.5]));
             if drawing.options.interpolated_normals {
                 run.normals.push(triangle.interpolate(weights, attributes.normal));
             }

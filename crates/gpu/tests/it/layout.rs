@@ -131,10 +131,13 @@ fn constants_have_the_same_values() {
     assert_eq!(constant(&exact, "PATIENCE_EDGE_ON"), Literal::U32(newton::PATIENCE_EDGE_ON));
     assert_eq!(constant(&exact, "SAMPLES"), Literal::U32(newton::SAMPLES));
     assert_eq!(constant(&exact, "QUEUE"), Literal::U32(newton::QUEUE as u32));
+    assert_eq!(constant(&exact, "RESTARTS"), Literal::U32(newton::RESTARTS.len() as u32));
+    assert_eq!(constant(&exact, "APPROACHES"), Literal::U32(newton::APPROACHES));
     for (name, value) in [
         ("FINE_PX", newton::FINE_PX),
         ("NEAR_FOLD_PX", newton::NEAR_FOLD_PX),
         ("ONE_END", newton::ONE_END),
+        ("NEAR_TWISTED_PX", newton::NEAR_TWISTED_PX),
         ("ASIDE", newton::ASIDE),
         ("SHORT", newton::SHORT),
         ("NEAR_PX", sight::NEAR_PX),

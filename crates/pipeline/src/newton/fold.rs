@@ -48,7 +48,7 @@ pub(super) fn again<const CAPACITY: usize>(problem: &Problem, end: &Place, is_me
         let k = stronger(&start);
         let [low, high] = searched(problem.piece);
         start.uv[k] = (start.uv[k] + aside(&start) * extent[k]).max(low[k]).min(high[k]);
-        start = problem.place::<CAPACITY>(start.uv);
+        start = problem.place::<CAPACITY>(start.uv, true);
     }
     let strong = stronger(&start);
     let mut share = [0, 1].map(|k| (start.uv[k] - rectangle[k]) / extent[k]);
@@ -78,7 +78,7 @@ pub(super) fn again<const CAPACITY: usize>(problem: &Problem, end: &Place, is_me
         if (k == 0 && least > -SHORT) || (k == 1 && greatest < SHORT) {
             continue;
         }
-        let [last_height, last_slope] = self::height(&problem.place::<CAPACITY>(on(last)), strong, direction);
+        let [last_height, last_slope] = self::height(&problem.place::<CAPACITY>(on(last), true), strong, direction);
         // Hermite: height + t (slope + t (square + t cube)).
         let chord = (last_height - height) / last;
         let square = (3.0 * chord - 2.0 * slope - last_slope) / last;
