@@ -37,7 +37,7 @@ const DEFAULT_JOBS: u16 = 2;
 /// Exit code 0: all others were caught; 1: some survive, or the list is stale; 2: something could not run.
 #[derive(Debug, Args)]
 pub struct MutantsArgs {
-    /// The technique whose parts are changed; those that both share are changed with `fragment`
+    /// The technique whose parts are changed; those that both share are changed with `fragment`, and drawn by both
     #[arg(long, value_enum, default_value = "fragment")]
     technique: TechniqueName,
     /// Only mutants of this file, or of one line of it, as in eval.wgsl:27; may be given several times
@@ -108,7 +108,7 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
 
 /// What becomes of each.
 fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
-    let first = Worker::of_sound_sources(args.adapter.as_deref(), args.technique)?;
+    let first = Worker::of_sound_sources(args.adapter.as_deref())?;
     let others: Vec<Worker> = (1..args.jobs).map(|_| first.another()).collect();
     let bar = terminal::progress("mutants", mutants.len());
     let next = AtomicUsize::new(0);

@@ -49,8 +49,8 @@ pub struct Part {
     pub text: &'static str,
 }
 
-/// All parts of a program, in the order in which they are put together; [`MASK`] may stand in [`TRIM`]'s place. Behind
-/// them stands [`EDGE`] or [`NO_EDGE`].
+/// All parts of a program, in the order in which they are put together; [`MASK`] may stand in [`TRIM`]'s place, and
+/// [`NO_EDGE`] in [`EDGE`]'s.
 pub const PARTS: &[Part] = &[
     Part { of: None, file: "layout.wgsl", text: LAYOUT },
     Part { of: None, file: "eval.wgsl", text: EVAL },
@@ -63,6 +63,7 @@ pub const PARTS: &[Part] = &[
     Part { of: Some(Technique::Exact), file: "newton.wgsl", text: NEWTON },
     Part { of: Some(Technique::Exact), file: "fold.wgsl", text: FOLD },
     Part { of: Some(Technique::Exact), file: "entry_exact.wgsl", text: ENTRY_EXACT },
+    Part { of: None, file: "edge.wgsl", text: EDGE },
 ];
 
 /// What a program is compiled for.
@@ -90,8 +91,12 @@ pub struct Variant {
 /// `resolve_shaded`.
 pub fn source(variant: Variant) -> String {
     let parts = PARTS.iter().filter(|part| part.of.is_none_or(|technique| technique == variant.technique));
-    let text = |part: &Part| if variant.masked && part.text == TRIM { MASK } else { part.text };
-    parts.fold(prelude(variant), |source, part| source + text(part)) + if variant.edges { EDGE } else { NO_EDGE }
+    let text = |part: &Part| match part.text {
+        TRIM if variant.masked => MASK,
+        EDGE if !variant.edges => NO_EDGE,
+        text => text,
+    };
+    parts.fold(prelude(variant), |source, part| source + text(part))
 }
 
 fn prelude(variant: Variant) -> String {

@@ -1,11 +1,11 @@
 //! Mutants: one small change each, generated from the WGSL, and which of them are legal.
 
 use super::operator::{Site, sites};
+use super::scenes::Shown;
 use pipeline::Program;
 use pipeline::Technique;
 use pipeline::wgsl::{self, PARTS, Part, Variant};
 use rayon::prelude::*;
-use scene::Model;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -87,9 +87,18 @@ impl Mutant {
         wgsl::source(variant).replacen(part.text, &changed, 1)
     }
 
-    /// Whether a scene can show it: no program of untrimmed faces asks for their edges.
-    pub fn is_shown_by(&self, model: &Model) -> bool {
-        self.key.file != "trim.wgsl" || model.is_trimmed()
+    /// Whether a scene can show it: its technique has the part, which is used there. No program of untrimmed faces asks
+    /// for their edges, and without edges technique `fragment` needs no sight of its pixels. Parts that both techniques
+    /// have are drawn by `exact` where faces meet, and not on all scenes that its own parts ask for.
+    pub fn is_shown_by(&self, shown: &Shown) -> bool {
+        let part = self.part();
+        let is_used = match part.file {
+            "edge.wgsl" => shown.plan.edges,
+            "trim.wgsl" | "sight.wgsl" => shown.model.is_trimmed(),
+            _ => true,
+        };
+        let technique = shown.plan.technique;
+        is_used && part.of.map_or(technique == Technique::Fragment || shown.fills, |of| of == technique)
     }
 
     fn part(&self) -> &'static Part {
@@ -107,12 +116,12 @@ impl Mutant {
             interpolated_normal: false,
             trimmed: true,
             masked: false,
-            edges: false,
+            edges: true,
         }))
     }
 }
 
-/// The technique by which a part is tried: its own, `fragment` for the parts of all.
+/// The technique with whose mutants those of a part are tried: its own, `fragment` for the parts of all.
 pub fn tried_by(part: &Part) -> Technique {
     part.of.unwrap_or_default()
 }
@@ -169,7 +178,7 @@ mod tests {
             interpolated_normal: false,
             trimmed: true,
             masked: false,
-            edges: false,
+            edges: true,
         };
         for technique in pipeline::Technique::ALL {
             assert!(is_legal(&wgsl::source(variant(technique))));

@@ -1,5 +1,7 @@
 //! The scenes that mutants are shown on, cheap and telling ones first.
 
+mod joints;
+
 use crate::stage::Plan;
 use gbuffer::ShadeKind;
 use glam::DVec3;
@@ -9,6 +11,7 @@ use scene::{Camera, Face, Model, Projection, Viewport};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// A model, who looks, and how it is drawn.
+#[derive(Clone)]
 pub struct Shown {
     /// What a mutant must not get wrong here.
     pub name: &'static str,
@@ -26,6 +29,8 @@ pub struct Shown {
     pub shade: ShadeKind,
     /// Whether that picture is shaded by normals interpolated from the vertices, and nothing else is judged.
     pub vertex_normals: bool,
+    /// Whether the model fills the picture, so that a pixel that shows nothing is a crack between two faces.
+    pub fills: bool,
 }
 
 /// Side of the pictures.
@@ -34,8 +39,8 @@ const SIDE: usize = 40;
 /// Those of a technique, in the order in which a mutant meets them.
 pub fn scenes(technique: Technique) -> Vec<Shown> {
     let scenes = match technique {
-        Technique::Fragment => triangles(),
-        Technique::Exact => hulls(),
+        Technique::Fragment => [triangles(), joints::joints(), edges()].concat(),
+        Technique::Exact => [hulls(), joints::joints()[2..].to_vec()].concat(),
     };
     let drawn = |mut shown: Shown| {
         shown.plan.technique = technique;
@@ -85,6 +90,18 @@ fn triangles() -> Vec<Shown> {
     ]
 }
 
+/// What shows where trim edges pass by.
+fn edges() -> Vec<Shown> {
+    let recorded = |name, model: &str| {
+        let shown = framed(name, builtin(model), Scheme::General);
+        Shown { plan: Plan { edges: true, ..shown.plan }, ..shown }
+    };
+    let [islands, word, window] =
+        [("edges of islands", "islands"), ("edges of a word", "text"), ("edges by a seam", "window")]
+            .map(|(name, model)| recorded(name, model));
+    vec![islands, orthographic(word), window]
+}
+
 /// What shows the search for roots: folds, grazing views, poles, hulls that the near plane cuts, and hulls of all sizes.
 fn hulls() -> Vec<Shown> {
     let beside = |name, model: &str, eye: [f64; 3], fov_deg| {
@@ -126,7 +143,8 @@ fn viewport() -> Viewport {
 fn framed(name: &'static str, model: Model, scheme: Scheme) -> Shown {
     let (viewport, plan) = (viewport(), Plan { scheme, chord_px: 0.5, ..Plan::default() });
     let camera = Camera::framing(&model, viewport);
-    Shown { name, model, camera, viewport, plan, cells: None, shade: ShadeKind::Isophotes, vertex_normals: false }
+    let shade = ShadeKind::Isophotes;
+    Shown { name, model, camera, viewport, plan, cells: None, shade, vertex_normals: false, fills: false }
 }
 
 /// The same view, without perspective.
@@ -269,5 +287,5 @@ fn vertex_normals(shade: ShadeKind) -> Shown {
     let eye = center + size * DVec3::new(0.1, -0.2, 1.0);
     let camera = Camera::look_at(eye, center, DVec3::Y, projection).expect("legal");
     let shown = framed("normals of vertices", model, Scheme::Specialised);
-    Shown { camera, cells: Some(4), shade, vertex_normals: true, ..shown }
+    Shown { camera, cells: Some(4), shade, vertex_normals: true, fills: true, ..shown }
 }

@@ -56,13 +56,10 @@ impl<'s> Trial<'s> {
         if let (Some(cells), Technique::Fragment) = (shown.cells, shown.plan.technique) {
             stage.proxy = Proxy::uniform(&shown.model, &stage.scene, cells)?.into();
         }
-        let caster = Caster::new(&shown.model);
+        let caster = Caster::new(&shown.model).with_edges(shown.plan.edges);
         let reference = if shown.vertex_normals {
             let options = raster::Options { curvature: false, interpolated_normals: true };
             let buffer = stage.rasterizer(options).render(stage.meta("raster"), &|_| {});
-            if buffer.covered() < shown.viewport.pixels() {
-                bail!("{}: the surface does not fill the picture", shown.name);
-            }
             // The GPU's program computes none either, and must say so.
             let plain = |hit: Option<&Hit>| hit.map(|hit| Hit { curvature: None, ..*hit });
             let hits: Vec<Option<Hit>> = buffer.pixels().map(plain).collect();
@@ -71,6 +68,9 @@ impl<'s> Trial<'s> {
         } else {
             stage.raycast(&caster)
         };
+        if shown.fills && reference.covered() < shown.viewport.pixels() {
+            bail!("{}: the model does not fill the picture", shown.name);
+        }
         let evaluations = match shown.plan.technique {
             Technique::Fragment => vec![],
             Technique::Exact => {
@@ -135,6 +135,11 @@ impl<'s> Trial<'s> {
                 let cause = pair.main_cause().map_or("none", |cause| cause.label());
                 let worst = pair.worst.first().map_or(String::new(), |p| format!("({}, {}): {}", p.x, p.y, p.detail));
                 return Ok(Some(self.caught(cause, worst)));
+            }
+            // Beside a border either answer is right for each of two faces, but one of them must show.
+            if self.shown.fills && gbuffer.covered() < self.shown.viewport.pixels() {
+                let cracks = self.shown.viewport.pixels() - gbuffer.covered();
+                return Ok(Some(self.caught("crack", format!("{cracks} pixels show nothing"))));
             }
             if self.shown.plan.technique == Technique::Exact {
                 let found = match renderer.evaluations(views, *viewport) {

@@ -8,7 +8,6 @@
 use super::mutant::Mutant;
 use super::scenes::{Shown, scenes};
 use super::trial::{Catch, REFUSED, Shot, Trial};
-use crate::compare::TechniqueName;
 use anyhow::{Context, Result, bail};
 use pipeline::Technique;
 use pipeline::wgsl;
@@ -59,8 +58,6 @@ const MESA: [(&str, &str); 2] = [("MESA_SHADER_CACHE_DISABLE", "true"), ("GALLIV
 pub struct Job {
     /// The change; none asks whether the sources as they are agree on every scene.
     pub mutant: Option<Mutant>,
-    /// The technique by which the scenes are drawn.
-    pub technique: TechniqueName,
 }
 
 /// What a worker says.
@@ -124,11 +121,9 @@ fn answer<'s>(
     say: &dyn Fn(Word) -> Result<()>,
 ) -> Result<Outcome> {
     let source = |variant| job.mutant.as_ref().map_or_else(|| wgsl::source(variant), |mutant| mutant.source(variant));
-    let technique = Technique::from(job.technique);
     let mut agreed = 0;
-    let is_shown = |shown: &Shown| job.mutant.as_ref().is_none_or(|mutant| mutant.is_shown_by(&shown.model));
-    let of_technique = |(shown, _): &(&Shown, _)| shown.plan.technique == technique && is_shown(shown);
-    for (shown, trial) in shown.iter().zip(trials).filter(of_technique) {
+    let is_shown = |(shown, _): &(&Shown, _)| job.mutant.as_ref().is_none_or(|mutant| mutant.is_shown_by(shown));
+    for (shown, trial) in shown.iter().zip(trials).filter(is_shown) {
         say(Word::Scene(shown.name.to_owned()))?;
         let trial = match trial {
             Some(trial) => trial,
@@ -153,19 +148,18 @@ struct Running {
 /// The parent's side: starts workers as they are needed.
 pub struct Worker {
     adapter: Option<String>,
-    technique: TechniqueName,
     limits: Limits,
     running: Option<Running>,
 }
 
 impl Worker {
-    /// A worker that has drawn the sources as they are by a technique, and found that they agree. Its time is the measure
+    /// A worker that has drawn the sources as they are on every scene, and found that they agree. Its time is the measure
     /// of the mutants'.
     ///
     /// # Errors
     /// Where it cannot be started or cannot judge, or the sources do not agree.
-    pub fn of_sound_sources(adapter: Option<&str>, technique: TechniqueName) -> Result<Self> {
-        let mut worker = Self { adapter: adapter.map(str::to_owned), technique, limits: Limits::SOUND, running: None };
+    pub fn of_sound_sources(adapter: Option<&str>) -> Result<Self> {
+        let mut worker = Self { adapter: adapter.map(str::to_owned), limits: Limits::SOUND, running: None };
         let mut slowest = Limits { cpu: Duration::ZERO, wall: Duration::ZERO };
         if let Outcome::Caught(catch) = worker.drawn(None, &mut slowest)? {
             let Catch { scene, cause, detail } = catch;
@@ -177,7 +171,7 @@ impl Worker {
 
     /// One more like this, not started yet.
     pub fn another(&self) -> Self {
-        Self { adapter: self.adapter.clone(), technique: self.technique, limits: self.limits, running: None }
+        Self { adapter: self.adapter.clone(), limits: self.limits, running: None }
     }
 
     /// What becomes of a mutant.
@@ -193,7 +187,7 @@ impl Worker {
             self.running = Some(Running::start(self.adapter.as_deref())?);
         }
         let running = self.running.as_mut().expect("just started");
-        let asked = running.ask(&Job { mutant: mutant.cloned(), technique: self.technique });
+        let asked = running.ask(&Job { mutant: mutant.cloned() });
         let mut scene = "start".to_owned();
         let (cause, detail) = loop {
             let disconnected = Err(RecvTimeoutError::Disconnected);
