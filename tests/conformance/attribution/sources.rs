@@ -155,8 +155,8 @@ const FAULTS: &[Fault] = &[
     Fault {
         name: "fragments of some faces thrown away",
         replace: &[(
-            "let f = fragment(in.face, given);",
-            "if (in.face % 3u == 0u) { discard; } let f = fragment(in.face, given);",
+            "f = fragment(in.face, given);",
+            "if (in.face % 3u == 0u) { discard; } f = fragment(in.face, given);",
         )],
         scenes: &[Scene::Rational, Scene::Wave],
         cause: Cause::Coverage,

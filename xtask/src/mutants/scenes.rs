@@ -40,7 +40,7 @@ const SIDE: usize = 40;
 pub fn scenes(technique: Technique) -> Vec<Shown> {
     let scenes = match technique {
         Technique::Fragment => [triangles(), joints::joints(), edges()].concat(),
-        Technique::Exact => [hulls(), joints::joints()[2..].to_vec()].concat(),
+        Technique::Exact => [hulls(), joints::joints()[4..].to_vec()].concat(),
     };
     let drawn = |mut shown: Shown| {
         shown.plan.technique = technique;

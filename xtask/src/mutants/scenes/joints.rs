@@ -3,6 +3,9 @@
 //! A picture is filled by strips of one surface z = bend (x² + y²). Each is a face of its own, whose parameters are
 //! sheared, and far longer along one direction than along the other, so that no slope can stand for another. The joints
 //! between them run through pixel centres as the camera sees them.
+//!
+//! Where strips end at the borders of their parameters, which the other parameter comes to at a slant, centres lie in a
+//! gap between two, a hair beyond either: there a face shows the nearest place of its border, and no other is near enough.
 
 use super::{Shown, framed, viewport};
 use glam::{DVec2, DVec3, Vec2Swizzles, dvec2};
@@ -13,10 +16,20 @@ use scene::{Camera, Face, Loop, Model, Projection, Trim};
 /// How far the outer strips go on beyond the outer joints; the camera sees less.
 const MARGIN: f64 = 3.0;
 
-/// The angle from a joint to the longer direction of the parameters beside it, and from there to the shorter one, degrees.
-const SHEAR: [f64; 2] = [3.0, 60.0];
+/// The angles from a joint to the longer direction of the parameters beside it, and to the shorter one, degrees.
+const SHEAR: [f64; 2] = [3.0, 63.0];
+
+/// The same where the joint is a border of the parameters.
+const SLANT: [f64; 2] = [4.0, 180.0];
+
+/// Half of a gap, pixels: less than a face covers beyond its border.
+const HALF_GAP_PX: f64 = 1.0 / 512.0;
+
+/// Inner knots of the surfaces, unlike each other so that no span has the length of another.
+const KNOTS: [&[f64]; 2] = [&[0.25], &[0.375, 0.5]];
 
 /// How the strips lie.
+#[derive(Clone, Copy)]
 struct Strips {
     name: &'static str,
     camera: Camera,
@@ -25,6 +38,10 @@ struct Strips {
     step: [i32; 2],
     /// How many steps a joint has.
     steps: i32,
+    /// Whether the joints are borders of the parameters, with gaps between them.
+    are_borders: bool,
+    /// u and v are exchanged in every second strip, from this one on.
+    exchanged: usize,
     /// Where the joints begin: pixels, right and down, outside of the picture. Later ones lie to the left of earlier ones,
     /// as one looks along them.
     starts: [[i32; 2]; 3],
@@ -37,17 +54,41 @@ pub(super) fn joints() -> Vec<Shown> {
     let aslant = from(DVec3::new(0.2, -1.3, 1.1), Projection::Perspective { fov_deg: 45.0 });
     let near = from(DVec3::new(0.3, -0.5, 1.3), Projection::Perspective { fov_deg: 50.0 });
     let (right, down) = ([[-8, 30], [-8, 17], [-8, 4]], [[15, -9], [28, -9], [41, -9]]);
+    let rightward = Strips {
+        name: "joints to the right",
+        camera: above,
+        bend: 0.0,
+        step: [2, 1],
+        steps: 28,
+        are_borders: false,
+        exchanged: 1,
+        starts: right,
+    };
     let strips = [
-        Strips { name: "joints to the right", camera: above, bend: 0.0, step: [2, 1], steps: 28, starts: right },
-        Strips { name: "joints downward", camera: above, bend: 0.0, step: [-1, 3], steps: 18, starts: down },
-        Strips { name: "joints aslant", camera: aslant, bend: 0.0, step: [2, 1], steps: 28, starts: right },
-        Strips { name: "joints of a bent surface", camera: near, bend: -0.08, step: [2, 1], steps: 28, starts: right },
+        Strips { name: "joints downward", step: [-1, 3], steps: 18, starts: down, ..rightward },
+        Strips { name: "gaps to the right", are_borders: true, ..rightward },
+        Strips {
+            name: "gaps downward",
+            step: [-1, 3],
+            steps: 18,
+            are_borders: true,
+            exchanged: 0,
+            starts: down,
+            ..rightward
+        },
+        rightward,
+        Strips { name: "joints aslant", camera: aslant, ..rightward },
+        Strips { name: "joints of a bent surface", camera: near, bend: -0.08, ..rightward },
     ];
     strips.into_iter().map(shown).collect()
 }
 
 fn shown(strips: Strips) -> Shown {
-    Shown { camera: strips.camera, fills: true, ..framed(strips.name, model(&strips), Scheme::Specialised) }
+    Shown {
+        camera: strips.camera,
+        fills: !strips.are_borders,
+        ..framed(strips.name, model(&strips), Scheme::Specialised)
+    }
 }
 
 fn model(strips: &Strips) -> Model {
@@ -58,9 +99,12 @@ fn model(strips: &Strips) -> Model {
     let mut borders = vec![beside(first, -MARGIN)];
     borders.extend_from_slice(&joints);
     borders.push(beside(last, MARGIN));
+    let gap =
+        if strips.are_borders { HALF_GAP_PX * strips.camera.pixels_per_unit(viewport(), 1.0).recip() } else { 0.0 };
     let cut = |(index, pair): (usize, &[Vec<DVec2>])| {
-        let outline: Vec<DVec2> = pair[0].iter().chain(pair[1].iter().rev()).copied().collect();
-        strip(index, &outline, left.perp(), strips.bend)
+        let (right, left) = (beside(&pair[0], gap), beside(&pair[1], -gap));
+        let outline: Vec<DVec2> = right.into_iter().chain(left.into_iter().rev()).collect();
+        strip(index, &outline, strips)
     };
     let (surfaces, faces) = borders.windows(2).enumerate().map(cut).unzip();
     Model::new(strips.name, surfaces, faces).expect("legal")
@@ -82,10 +126,11 @@ fn joint(strips: &Strips, start: [i32; 2]) -> Vec<DVec2> {
     (0..=strips.steps).map(meet).collect()
 }
 
-/// The face inside a counterclockwise outline, whose long direction is `along`; u and v are exchanged in every second one.
-fn strip(index: usize, outline: &[DVec2], along: DVec2, bend: f64) -> (Surface, Face) {
-    let long = DVec2::from_angle(SHEAR[0].to_radians()).rotate(along);
-    let short = DVec2::from_angle(SHEAR[1].to_radians()).rotate(long);
+/// The face inside a counterclockwise outline that begins along a joint.
+fn strip(index: usize, outline: &[DVec2], strips: &Strips) -> (Surface, Face) {
+    let along = outline[1] - outline[0];
+    let angles = if strips.are_borders { SLANT } else { SHEAR };
+    let [long, short] = angles.map(|angle| DVec2::from_angle(angle.to_radians()).rotate(along));
     // Coordinates along the two, and the box that holds the outline.
     let coordinates = |p: DVec2| dvec2(p.perp_dot(short), long.perp_dot(p)) / long.perp_dot(short);
     let box_of =
@@ -94,22 +139,30 @@ fn strip(index: usize, outline: &[DVec2], along: DVec2, bend: f64) -> (Surface, 
     let origin = low.x * long + low.y * short;
     let (mut u, mut v) = (size.x * long, size.y * short);
     let mut corners: Vec<DVec2> = outline.iter().map(|&p| (coordinates(p) - low) / size).collect();
-    let is_exchanged = index % 2 == 1;
+    if strips.are_borders {
+        corners = vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
+    }
+    let is_exchanged = index % 2 == strips.exchanged;
     if is_exchanged {
         (u, v) = (v, u);
         corners = corners.iter().rev().map(|p| p.yx()).collect();
     }
-    // The blossom of the surface over the parallelogram: of a parameter its mean over the two arguments, of its square
-    // their product.
-    let point = |k: usize| {
-        let (i, j) = ((k / 3) as f64 / 2.0, (k % 3) as f64 / 2.0);
-        let mean = origin + i * u + j * v;
-        let squares =
-            mean.length_squared() + (i.floor() - i * i) * u.length_squared() + (j.floor() - j * j) * v.length_squared();
-        mean.extend(bend * squares)
+    let knots = KNOTS.map(|inner| [&[0.0; 3], inner, &[1.0; 3]].concat());
+    // The blossom of the surface over the parallelogram: of a parameter its mean over two knots, of its square their product.
+    let blossom = |axis: usize, i: usize| {
+        let (a, b) = (knots[axis][i + 1], knots[axis][i + 2]);
+        (0.5 * (a + b), a * b)
     };
-    let knots = || KnotVector::new(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]).expect("legal");
-    let surface = Surface::new(knots(), knots(), (0..9).map(point).collect(), None).expect("legal");
+    let columns = KNOTS[1].len() + 3;
+    let point = |k: usize| {
+        let ((i, ii), (j, jj)) = (blossom(0, k / columns), blossom(1, k % columns));
+        let mean = origin + i * u + j * v;
+        let squares = mean.length_squared() + (ii - i * i) * u.length_squared() + (jj - j * j) * v.length_squared();
+        mean.extend(strips.bend * squares)
+    };
+    let points = (0..(KNOTS[0].len() + 3) * columns).map(point).collect();
+    let [ku, kv] = knots.clone().map(|knots| KnotVector::new(2, knots).expect("legal"));
+    let surface = Surface::new(ku, kv, points, None).expect("legal");
     let line = |from: DVec2, to: DVec2| {
         Trim::new(KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).expect("legal"), vec![from, to], None)
     };
