@@ -1,6 +1,6 @@
 //! Bézier patches: one polynomial (or rational) piece of a surface, for culling, bounding and root finding.
 
-use crate::bounds::Hull;
+use crate::bounds::{Hull, ratio};
 use crate::{FirstDerivatives, MAX_ORDER};
 use glam::{DVec3, DVec4};
 
@@ -58,6 +58,14 @@ impl BezierPatch {
         [low, high]
     }
 
+    /// The four parts on either side of the middle in u and in v; those of the lower half in u come first.
+    pub fn quarters(&self) -> [Self; 4] {
+        let [u, v] = self.domain.map(|[start, end]| 0.5 * (start + end));
+        let [low, high] = self.split_u(u);
+        let ([a, b], [c, d]) = (low.split_v(v), high.split_v(v));
+        [a, b, c, d]
+    }
+
     /// De Casteljau's algorithm at `s` on lines of `p` + 1 control points, each told by its first and the step to the next.
     fn split_lines(&self, s: f64, p: usize, lines: impl Iterator<Item = (usize, usize)>) -> [Self; 2] {
         let [mut low, mut high] = [self.clone(), self.clone()];
@@ -82,6 +90,20 @@ impl BezierPatch {
         let [p, q] = self.degree;
         let control = (0..=q).flat_map(|j| (0..=p).map(move |i| self.control[i * (q + 1) + j])).collect();
         Self { degree: [q, p], domain: [self.domain[1], self.domain[0]], origin: self.origin, control }
+    }
+
+    /// The greatest ratio of two weights: 1 for a polynomial patch.
+    pub fn weight_ratio(&self) -> f64 {
+        ratio(self.control.iter().map(|c| c.w))
+    }
+
+    /// The greatest ratio of two weights of one row along u, and of one along v.
+    pub fn weight_ratios_along(&self) -> [f64; 2] {
+        let [p, q] = self.degree;
+        let weight = |i: usize, j: usize| self.control[i * (q + 1) + j].w;
+        let along_u = (0..=q).map(|j| ratio((0..=p).map(|i| weight(i, j))));
+        let along_v = (0..=p).map(|i| ratio((0..=q).map(|j| weight(i, j))));
+        [along_u.fold(1.0, f64::max), along_v.fold(1.0, f64::max)]
     }
 
     /// The box of the control points, which holds the whole patch, in world coordinates, rounded outward.

@@ -1,6 +1,7 @@
 //! Plane rational Bézier curves: evaluation, subdivision, and the area under them.
 
 use crate::MAX_ORDER;
+use crate::bounds::ratio;
 use glam::{DVec2, DVec3};
 
 /// Halvings before an area stops being refined; each gains at least a factor 2³² on an analytic integrand.
@@ -71,6 +72,11 @@ impl BezierCurve {
     /// Whether the weights differ.
     pub fn is_rational(&self) -> bool {
         self.control.iter().any(|c| c.z != self.control[0].z)
+    }
+
+    /// The greatest ratio of two weights: 1 for a polynomial curve.
+    pub fn weight_ratio(&self) -> f64 {
+        ratio(self.control.iter().map(|c| c.z))
     }
 
     /// The first point; exact where the first weight is 1.

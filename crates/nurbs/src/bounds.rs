@@ -64,8 +64,14 @@ fn length(v: DVec3) -> f64 {
 /// The greatest power of two that is at most `x`, which is not negative; at least the smallest normal number.
 ///
 /// Its reciprocal is exact, so that the product with that has the bits of the quotient.
-pub(crate) fn power_of_two(x: f64) -> f64 {
+pub fn power_of_two(x: f64) -> f64 {
     f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+/// The greatest of some weights over the least.
+pub(crate) fn ratio(weights: impl Iterator<Item = f64>) -> f64 {
+    let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(least, most), w| (least.min(w), most.max(w)));
+    most / least
 }
 
 /// Upper bounds of the lengths of the partial derivatives over a patch, by the parent surface's parameters.
@@ -118,12 +124,13 @@ impl BezierPatch {
     /// A polynomial patch is bounded by differences of its control points, exactly where they are extreme at corners;
     /// a rational one with varying weights in 4 × 4 parts, and in more where the weights of a part vary much.
     pub fn derivative_bounds(&self) -> DerivativeBounds {
-        if self.control.iter().all(|c| c.w == self.control[0].w) {
+        if self.weight_ratio() == 1.0 {
             return self.bounds_of_whole();
         }
         let cuts = |[start, end]: [f64; 2]| {
             (1..RATIONAL_PARTS).map(move |i| start + (end - start) * i as f64 / RATIONAL_PARTS as f64)
         };
+        let of_part = |part: &Self| part.by_parts(WEIGHT_HALVINGS, &Self::bounds_of_whole, &DerivativeBounds::max);
         let mut bounds = DerivativeBounds::default();
         let mut rest = self.clone();
         let mut columns = vec![];
@@ -136,24 +143,28 @@ impl BezierPatch {
         for mut column in columns {
             for v in cuts(self.domain[1]) {
                 let [low, high] = column.split_v(v);
-                bounds = bounds.max(low.bounds_of_part(WEIGHT_HALVINGS));
+                bounds = bounds.max(of_part(&low));
                 column = high;
             }
-            bounds = bounds.max(column.bounds_of_part(WEIGHT_HALVINGS));
+            bounds = bounds.max(of_part(&column));
         }
         bounds
     }
 
-    /// Bounds over a part that may be halved so many times.
-    fn bounds_of_part(&self, halvings: u32) -> DerivativeBounds {
-        let (least, most) =
-            self.control.iter().fold((f64::INFINITY, 0.0f64), |(least, most), c| (least.min(c.w), most.max(c.w)));
-        if halvings == 0 || most <= WEIGHTS_VARY * least {
-            return self.bounds_of_whole();
+    /// A box that holds the patch, in world coordinates, rounded outward: that of the control points ([`Self::hull`]), or where
+    /// weights vary much, of those of its parts. A heavy point draws the patch away from the others, which stay.
+    pub fn close_hull(&self) -> Hull {
+        self.by_parts(WEIGHT_HALVINGS, &Self::hull, &Hull::union)
+    }
+
+    /// What is found of a patch whose weights vary little, else what is found of its quarters, which may be quartered
+    /// `halvings` times.
+    fn by_parts<T>(&self, halvings: u32, of: &impl Fn(&Self) -> T, joined: &impl Fn(T, T) -> T) -> T {
+        if halvings == 0 || self.weight_ratio() <= WEIGHTS_VARY {
+            return of(self);
         }
-        let [u, v] = self.domain.map(|[start, end]| 0.5 * (start + end));
-        let quarters = self.split_u(u).into_iter().flat_map(|half| half.split_v(v));
-        quarters.map(|part| part.bounds_of_part(halvings - 1)).fold(DerivativeBounds::default(), DerivativeBounds::max)
+        let quarters = self.quarters().map(|part| part.by_parts(halvings - 1, of, joined));
+        quarters.into_iter().reduce(joined).expect("there are four")
     }
 
     /// Differences of control points bound the derivatives of a Bézier patch. For a rational one the quotient rule
@@ -241,4 +252,17 @@ fn greatest(rows: usize, columns: usize, difference: impl Fn(usize, usize) -> DV
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_of_two_is_found_at_or_below() {
+        for (x, below) in [(1.0, 1.0), (1.9, 1.0), (0.75, 0.5), (1e6, 524288.0), (f64::MAX, 2f64.powi(1023))] {
+            assert_eq!(power_of_two(x), below);
+        }
+        assert_eq!(power_of_two(0.0), f64::MIN_POSITIVE);
+    }
 }

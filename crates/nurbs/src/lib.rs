@@ -23,7 +23,7 @@ mod surface;
 pub use basis::basis_derivatives;
 pub use bezier::BezierPatch;
 pub use bezier_curve::{BezierCurve, Rectangle};
-pub use bounds::{DerivativeBounds, Hull};
+pub use bounds::{DerivativeBounds, Hull, power_of_two};
 pub use curve::Curve;
 pub use degree::Reduced;
 pub use differential::{Curvature, Normal, NormalStatus, SurfacePoint};

@@ -135,10 +135,9 @@ impl Known {
 }
 
 impl PackedFrame {
-    /// Where a hit is: by its local parameters, where it has some that [belong](Self::belongs) to (u, v), else by (u, v) in the
-    /// knot domain.
+    /// Where a hit is: by its local parameters, where they are [believed](Self::believed), else by (u, v) in the knot domain.
     pub fn known(&self, hit: &Hit) -> Known {
-        match hit.local.filter(|_| self.belongs(hit)) {
+        match self.believed(hit) {
             None => Known([self.of_domain(0, hit.uv.x), self.of_domain(1, hit.uv.y)]),
             Some(LocalParameters { span, uv }) => Known([0, 1].map(|k| {
                 [Some(OnSpan { span: span[k], t: Parameter::nearest(uv[k]), lost: 4.0 * f64::EPSILON }), None]
@@ -146,17 +145,16 @@ impl PackedFrame {
         }
     }
 
-    /// Whether a hit's local parameters, if it has any, are those of its (u, v), to what f64 may have lost of these.
-    pub fn belongs(&self, hit: &Hit) -> bool {
-        hit.local.is_none_or(|local| {
-            (0..2).all(|k| {
-                (local.span[k] as usize) + 1 < self.breaks[k].len() && {
-                    let [start, end] = self.span(k, local.span[k]);
-                    let off = start + (end - start) * local.uv[k] - hit.uv[k];
-                    off.abs() <= 4.0 * f64::EPSILON * (start.abs() + end.abs())
-                }
-            })
-        })
+    /// A hit's local parameters, where it has some and they are those of its (u, v), to what f64 may have lost of these.
+    pub fn believed(&self, hit: &Hit) -> Option<LocalParameters> {
+        let belongs = |local: &LocalParameters, k: usize| {
+            (local.span[k] as usize) + 1 < self.breaks[k].len() && {
+                let [start, end] = self.span(k, local.span[k]);
+                let off = start + (end - start) * local.uv[k] - hit.uv[k];
+                off.abs() <= 4.0 * f64::EPSILON * (start.abs() + end.abs())
+            }
+        };
+        hit.local.filter(|local| belongs(local, 0) && belongs(local, 1))
     }
 
     /// The span that a parameter of the knot domain is on, and its neighbour where it is the end of both.

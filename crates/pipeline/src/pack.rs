@@ -10,7 +10,7 @@ use crate::layout::{BOUNDED, FaceRecord, Parameters, RATIONAL, REVERSED, SEARCHE
 use crate::mask::{self, Masks};
 use gbuffer::{Hit, LocalParameters, PrincipalCurvatures};
 use glam::{DMat4, DVec2, DVec3};
-use nurbs::{Direction, KnotVector, Normal, NormalStatus, Surface};
+use nurbs::{Direction, KnotVector, Normal, NormalStatus, Surface, power_of_two};
 use scene::{Camera, FaceId, Model, Projection, Ray, Viewport};
 
 /// Which programs evaluate a scene.
@@ -222,7 +222,7 @@ impl PackedScene {
         let size = surface.hull().diagonal() / 2.0;
         let scale = power_of_two_above(size).ok_or(PackError::Scale { face: id, size })?;
         let greatest = surface.weights().map_or(1.0, |w| w.iter().fold(0.0, |m: f64, &w| m.max(w)));
-        let unit = power_of_two_below(greatest);
+        let unit = power_of_two(greatest);
         let rational = surface.weights().is_some_and(|w| w.iter().any(|&x| x != w[0]));
         let [count_u, count_v] = surface.control_counts();
         let table_u = self.push_spans(ku)?;
@@ -275,7 +275,7 @@ impl PackedScene {
                 .collect();
             // The knots that the derivatives are divided by, degree apart.
             let narrowest = (0..degree).fold(f64::INFINITY, |least, r| least.min(local[degree + r] - local[r]));
-            let gain = power_of_two_below(narrowest);
+            let gain = power_of_two(narrowest);
             if span - degree >= 1 << f32::MANTISSA_DIGITS {
                 let (count, greatest) = (span - degree, 1 << f32::MANTISSA_DIGITS);
                 return Err(PackError::TooLarge { what: "control points in one direction", count, greatest });
@@ -339,7 +339,7 @@ impl PackedScene {
                 let clip_from_local = clip_from_world * world_from_local;
                 // Homogeneous coordinates are any multiple: one that f32 holds, whatever the scale of the scene.
                 let greatest = clip_from_local.to_cols_array().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-                let clip_from_local = clip_from_local * (1.0 / power_of_two_below(greatest));
+                let clip_from_local = clip_from_local * (1.0 / power_of_two(greatest));
                 let eye = if perspective {
                     ((camera.eye() - frame.origin) / frame.scale).extend(1.0)
                 } else {
@@ -406,25 +406,13 @@ fn power_of_two_above(x: f64) -> Option<f64> {
     if !(x.is_normal() && x < 1e300) {
         return None;
     }
-    let below = f64::from_bits(x.to_bits() & !((1 << 52) - 1));
+    let below = power_of_two(x);
     Some(if below == x { x } else { below * 2.0 })
-}
-
-/// The greatest power of two at or below a positive `x`; the least normal one for a subnormal.
-fn power_of_two_below(x: f64) -> f64 {
-    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & !((1 << 52) - 1))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_power_of_two_is_found_at_or_below() {
-        for (x, below) in [(1.0, 1.0), (1.9, 1.0), (0.75, 0.5), (1e6, 524288.0), (f64::MAX, 2f64.powi(1023))] {
-            assert_eq!(power_of_two_below(x), below);
-        }
-    }
 
     #[test]
     fn a_power_of_two_is_found_at_or_above() {

@@ -118,7 +118,7 @@ fn nearly_flat(patch: &BezierPatch) -> Vec<Part> {
     let mut rest = vec![(Part { patch: whole, rectangle: [[0.0, 1.0]; 2] }, [0u32; 2])];
     while let Some((part, level)) = rest.pop() {
         let turn = turns(&part.patch);
-        let varies = weights_vary(&part.patch);
+        let varies = part.patch.weight_ratios_along();
         let cut = |k: usize| {
             (turn[k] > TURN && level[k] < GREATEST_LEVEL)
                 || (varies[k] > WEIGHTS_VARY && level[k] < GREATEST_LEVEL_BY_WEIGHTS)
@@ -145,19 +145,6 @@ fn nearly_flat(patch: &BezierPatch) -> Vec<Part> {
         rest.extend(halves.rev().map(|half| (half, next)));
     }
     flat
-}
-
-/// The greatest ratio of two weights of a row along u, and of one along v.
-fn weights_vary(patch: &BezierPatch) -> [f64; 2] {
-    let [p, q] = patch.degree;
-    let ratio = |weights: &mut dyn Iterator<Item = f64>| {
-        let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(least, most), w| (least.min(w), most.max(w)));
-        most / least
-    };
-    let weight = |i: usize, j: usize| patch.control[i * (q + 1) + j].w;
-    let along_u = (0..=q).map(|j| ratio(&mut (0..=p).map(|i| weight(i, j)))).fold(1.0, f64::max);
-    let along_v = (0..=p).map(|i| ratio(&mut (0..=q).map(|j| weight(i, j)))).fold(1.0, f64::max);
-    [along_u, along_v]
 }
 
 /// Whether a derivative differs from its mean by more than [`TURN`] of its own least length somewhere.

@@ -191,8 +191,6 @@ impl Rising {
 /// three for each degree, all of them times what the weights can magnify; a division, and the last of the bisections.
 fn band(curve: &BezierCurve) -> DVec2 {
     const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
-    let weights = curve.control().iter().map(|c| c.z);
-    let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(least, most), w| (least.min(w), most.max(w)));
     let size = curve.hull().size();
-    UNIT * (DVec2::splat(6.0) + (3 * curve.degree() + 8) as f64 * (most / least) * size)
+    UNIT * (DVec2::splat(6.0) + (3 * curve.degree() + 8) as f64 * curve.weight_ratio() * size)
 }

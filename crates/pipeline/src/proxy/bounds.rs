@@ -1,0 +1,77 @@
+//! Bounds of a surface's derivatives over its Bézier patches, from which the cells of a tessellation are counted.
+
+use nurbs::{BezierPatch, DerivativeBounds};
+
+/// Bounds of the derivatives of a surface's Bézier patches, part by part: of a patch with a large weight they differ by orders of
+/// magnitude from one place to another.
+pub(super) struct Bounds {
+    /// How many equal parts each span in u and in v is cut into.
+    pub(super) parts: [Vec<usize>; 2],
+    /// Of each patch, row-major in u, its width and height, and of its parts, row-major in u, the bounds.
+    pub(super) patches: Vec<([f64; 2], Vec<DerivativeBounds>)>,
+}
+
+/// A span has one part where the weights of each patch on it vary by no more than this, else as many as the root of their ratio,
+/// up to [`GREATEST_PARTS`]: parameters run so many times faster near the heavy point.
+const WEIGHTS_VARY_MUCH: f64 = 8.0;
+
+/// See [`WEIGHTS_VARY_MUCH`].
+const GREATEST_PARTS: usize = 64;
+
+impl Bounds {
+    /// Those of all patches of a surface, row-major in u.
+    pub(super) fn of(patches: &[BezierPatch]) -> Self {
+        let spans_v = patches.iter().take_while(|patch| patch.domain[0] == patches[0].domain[0]).count();
+        let mut parts = [vec![1; patches.len() / spans_v], vec![1; spans_v]];
+        for (index, ratio) in
+            patches.iter().map(BezierPatch::weight_ratio).enumerate().filter(|(_, ratio)| *ratio > WEIGHTS_VARY_MUCH)
+        {
+            let count = (ratio.sqrt() as usize).next_power_of_two().min(GREATEST_PARTS);
+            let [k, l] = [index / spans_v, index % spans_v];
+            parts[0][k] = count.max(parts[0][k]);
+            parts[1][l] = count.max(parts[1][l]);
+        }
+        let of_patch = |(index, patch): (usize, &BezierPatch)| {
+            let size = patch.domain.map(|[start, end]| end - start);
+            let [rows, columns] = [parts[0][index / spans_v], parts[1][index % spans_v]];
+            let strips = cut(patch.clone(), rows, patch.domain[0], BezierPatch::split_u);
+            let of_strip = |strip: BezierPatch| cut(strip, columns, patch.domain[1], BezierPatch::split_v);
+            (size, strips.into_iter().flat_map(of_strip).map(|part| part.derivative_bounds()).collect())
+        };
+        let patches = patches.iter().enumerate().map(of_patch).collect();
+        Self { parts, patches }
+    }
+
+    /// The spans of a patch, by their places in the lists of parts.
+    pub(super) fn spans(&self, index: usize) -> [usize; 2] {
+        [index / self.parts[1].len(), index % self.parts[1].len()]
+    }
+
+    /// The greatest chord of a patch whose parts are cut into so many cells, along u and along v.
+    pub(super) fn chord(&self, index: usize, [u, v]: [&[usize]; 2]) -> f64 {
+        let ([width, height], bounds) = &self.patches[index];
+        let [width, height] = [width / u.len() as f64, height / v.len() as f64];
+        let of_part = |(k, bounds): (usize, &DerivativeBounds)| {
+            bounds.chord(width / u[k / v.len()] as f64, height / v[k % v.len()] as f64)
+        };
+        bounds.iter().enumerate().map(of_part).fold(0.0, f64::max)
+    }
+}
+
+/// A patch cut into so many equal parts of a direction, by `split`.
+pub(super) fn cut(
+    patch: BezierPatch,
+    parts: usize,
+    [start, end]: [f64; 2],
+    split: impl Fn(&BezierPatch, f64) -> [BezierPatch; 2],
+) -> Vec<BezierPatch> {
+    let mut all = Vec::with_capacity(parts);
+    let mut rest = patch;
+    for k in 1..parts {
+        let [part, beyond] = split(&rest, start + (end - start) * k as f64 / parts as f64);
+        all.push(part);
+        rest = beyond;
+    }
+    all.push(rest);
+    all
+}

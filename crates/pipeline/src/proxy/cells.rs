@@ -1,0 +1,115 @@
+//! How many cells a face is cut into, and the chord error that they come to.
+
+use super::bounds::Bounds;
+use crate::pack::PackedFrame;
+use crate::patches::{patches_on, spans_of};
+use nurbs::{DerivativeBounds, Surface};
+use scene::Region;
+use std::ops::Range;
+
+/// Triangles up to which the chord error decides; a camera on a face would ask for any number, and gets a coarser tessellation
+/// beyond ([`Proxy::built_px`](super::Proxy::built_px)).
+pub(super) const REFINED_TRIANGLES: usize = 1 << 22;
+
+/// Cells of one span in one direction at most: what [`REFINED_TRIANGLES`] leaves of it however narrow it is.
+pub(super) const GREATEST_CELLS: usize = REFINED_TRIANGLES / 2;
+
+/// How the parameters of a face are cut.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Cells {
+    /// Every span by itself, in u and in v: of each of its equal parts, the cells. A span of polynomial patches is one part.
+    OfSpans([Vec<Vec<usize>>; 2]),
+    /// The whole domain, in both directions alike.
+    OfDomain(usize),
+}
+
+/// What a face asks of its tessellation.
+pub(super) struct Wanted<'a> {
+    pub(super) bounds: &'a Bounds,
+    /// Of each Bézier patch, row-major in u, what a pixel measures where it is nearest, infinite out of the picture.
+    pub(super) pixels: &'a [f64],
+    /// The spans in u and in v that the face comes to.
+    pub(super) spans: [Range<usize>; 2],
+}
+
+impl Wanted<'_> {
+    /// The patches that the face comes to.
+    pub(super) fn patches(&self) -> impl Iterator<Item = usize> {
+        patches_on(&self.spans, self.bounds.parts[1].len())
+    }
+
+    /// The fewest cells of each part of the spans in u and in v so that the chord bound of every cell is at most `chord_px`.
+    pub(super) fn cells(&self, chord_px: f64) -> [Vec<Vec<usize>>; 2] {
+        let mut cells =
+            self.bounds.parts.each_ref().map(|spans| spans.iter().map(|&n| vec![1usize; n]).collect::<Vec<_>>());
+        for index in self.patches() {
+            let (size, bounds) = &self.bounds.patches[index];
+            let [k, l] = self.bounds.spans(index);
+            let [rows, columns] = [cells[0][k].len(), cells[1][l].len()];
+            let size = [size[0] / rows as f64, size[1] / columns as f64];
+            for (part, bounds) in bounds.iter().enumerate() {
+                let (i, j) = (part / columns, part % columns);
+                let least = [cells[0][k][i], cells[1][l][j]];
+                [cells[0][k][i], cells[1][l][j]] = cells_needed(bounds, size, chord_px * self.pixels[index], least);
+            }
+        }
+        cells
+    }
+}
+
+pub(super) fn total(counts: &[usize]) -> f64 {
+    counts.iter().sum::<usize>() as f64
+}
+
+/// The fewest cells, from `least` on, that bring the chord bound under `allowed`: always the direction that gains more. From
+/// eight cells on they grow by an eighth, so that the number of steps is bounded by the number of bits of the count.
+pub(super) fn cells_needed(
+    bounds: &DerivativeBounds,
+    [width, height]: [f64; 2],
+    allowed: f64,
+    least: [usize; 2],
+) -> [usize; 2] {
+    let chord = |n: [usize; 2]| bounds.chord(width / n[0] as f64, height / n[1] as f64);
+    let more = |n: usize| (n + (n / 8).max(1)).min(GREATEST_CELLS);
+    let mut n = least;
+    while chord(n) > allowed && n[0] * n[1] < REFINED_TRIANGLES {
+        let grown = [[more(n[0]), n[1]], [n[0], more(n[1])]];
+        // A cell more in u adds n[1] cells, one in v n[0]: compare what each buys.
+        let gain = [0, 1].map(|k| (chord(n) - chord(grown[k])) / ((grown[k][k] - n[k]).max(1) * n[1 - k]) as f64);
+        let next = if gain[0] >= gain[1] { grown[0] } else { grown[1] };
+        if next == n {
+            break;
+        }
+        n = next;
+    }
+    n
+}
+
+/// The chord of each Bézier piece of a face, from the bounds of its surface's derivatives and the cells that it is cut into, plus
+/// what narrowing moves; 0 where the face does not come to.
+pub(super) fn chord_bounds(
+    bounds: &Bounds,
+    surface: &Surface,
+    region: Option<&Region>,
+    frame: &PackedFrame,
+    cells: &Cells,
+) -> Vec<f64> {
+    let domain = surface.domain().map(|[start, end]| end - start);
+    let mut chords = vec![0.0; bounds.patches.len()];
+    for index in patches_on(&spans_of(region, &frame.breaks), bounds.parts[1].len()) {
+        let (size, parts) = &bounds.patches[index];
+        let whole = parts.iter().copied().fold(DerivativeBounds::default(), DerivativeBounds::max);
+        let (chord, interpolated) = match cells {
+            Cells::OfSpans([u, v]) => {
+                let [k, l] = bounds.spans(index);
+                (bounds.chord(index, [&u[k], &v[l]]), *size)
+            }
+            Cells::OfDomain(n) => (whole.chord(domain[0] / *n as f64, domain[1] / *n as f64), domain),
+        };
+        // Vertices narrow to f32 (half an ulp of the local unit in each coordinate), and a grid line may stand half an
+        // ulp beside its parameter.
+        let speed = (whole.u * interpolated[0]).max(whole.v * interpolated[1]);
+        chords[index] = chord + f64::from(f32::EPSILON) * (frame.scale + speed);
+    }
+    chords
+}

@@ -1,0 +1,30 @@
+//! What a picture may show of a box.
+
+use glam::DVec4;
+use nurbs::Hull;
+use scene::{Camera, Viewport};
+
+/// The half-spaces that hold what a picture shows.
+pub(super) struct Frustum {
+    /// A plane (n, d) has what is outside at n · p + d < 0.
+    pub(super) planes: [DVec4; 5],
+}
+
+/// How far beyond the picture's border what a patch shows may matter to a pixel in it, as a share of the picture.
+const MARGIN: f64 = 1.0 / 16.0;
+
+impl Frustum {
+    pub(super) fn new(camera: &Camera, viewport: Viewport) -> Self {
+        let rows = camera.clip_from_world(viewport, 1.0).transpose();
+        let [x, y, w] = [rows.x_axis, rows.y_axis, rows.w_axis];
+        let wide = w * (1.0 + MARGIN);
+        let near = camera.forward().extend(-camera.forward().dot(camera.eye()) - camera.near());
+        Self { planes: [wide - x, wide + x, wide - y, wide + y, near] }
+    }
+
+    /// Whether a box is not wholly outside one of the planes.
+    pub(super) fn meets(&self, hull: &Hull) -> bool {
+        let corners = hull.corners();
+        self.planes.iter().all(|plane| corners.iter().any(|corner| plane.dot(corner.extend(1.0)) >= 0.0))
+    }
+}
