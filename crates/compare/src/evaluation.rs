@@ -33,8 +33,6 @@ impl Judge<'_> {
             return Err(Difference::new(self.attribution.of_position(hit, f64::INFINITY), f64::INFINITY, detail));
         }
         let frame = &self.scene.frames[hit.face.0 as usize];
-        // What does not belong to (u, v) is not believed: first (u, v) are judged, then that.
-        let belongs = frame.belongs(hit);
         let known = frame.known(hit);
         let enclosures = enclose(self.scene, hit.face.0, &known, hit.curvature.is_some());
         // Where the parameters are not known to the bit, the half-width holds what they leave open.
@@ -45,7 +43,8 @@ impl Judge<'_> {
             match self.inside(hit, &local, enclosure) {
                 Ok(shares) => {
                     self.packed_rightly(hit, &local, &widened(enclosure, kept))?;
-                    if !belongs {
+                    // Local parameters that are not believed: first (u, v) were judged, now these.
+                    if hit.local.is_some() && frame.believed(hit).is_none() {
                         let detail = format!("(u, v) = {} is another place than {:?}", hit.uv, hit.local);
                         return Err(Difference::new(Cause::Span, f64::INFINITY, detail));
                     }

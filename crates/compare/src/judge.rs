@@ -352,9 +352,9 @@ impl<'m> Judge<'m> {
         }
     }
 
-    /// A hit's local parameters, where it has some and they belong to its (u, v).
+    /// A hit's local parameters, where they are believed.
     fn local(&self, hit: &Hit) -> Option<LocalParameters> {
-        hit.local.filter(|_| self.scene.frames[hit.face.0 as usize].belongs(hit))
+        self.scene.frames[hit.face.0 as usize].believed(hit)
     }
 
     /// The knot spans that have these numbers among those of a face that are not empty.
