@@ -18,6 +18,7 @@ const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
 const ONE_END: f32 = 1.0 / 64.0;
 const LARGE_PX: f32 = 1024.0;
 const NEAR_TWISTED_PX: f32 = 1.0 / 2.0;
+const TWISTED_SIDE_PX: f32 = 16.0;
 const RESTARTS: u32 = 5u;
 const APPROACHES: u32 = 4u;
 const DAMPING: f32 = 1.0 / 1048576.0;
@@ -77,20 +78,23 @@ fn solve(piece: PieceRecord, s: Sight) -> Outcome {
     let given = queue.count;
     var before = vec2<f32>(GREATEST);
     var restarts = QUEUE;
+    var approaches = 0u;
     var best = Outcome(MISS, vec2<f32>(), 0.0);
     for (var k = 0u; k < queue.count; k++) {
         let is_restart = restarts <= k && k < restarts + RESTARTS;
-        let end = search(piece, s, queue.seeds[k], select(0u, APPROACHES, is_restart));
+        let end = search(piece, s, queue.seeds[k], select(0u, approaches, is_restart));
         let next = end.outcome;
         let nearer = next.status == HIT && (best.status != HIT || next.depth > best.depth)
             && (!TRIMMED || is_shown(faces[piece.face], footprint_of(piece, end.at, next.uv)));
         if (nearer || (next.status == UNCONVERGED && best.status == MISS)) {
             best = next;
         }
-        let missed = next.status == MISS
-            && (end.at.w <= 0.0 || is_large_near(end.at, found.nearest_w) || is_near_twisted(piece, end.at));
-        if (k < given && restarts == QUEUE && (missed || next.status == UNCONVERGED)) {
+        let may_be_led_away = next.status == UNCONVERGED
+            || (next.status == MISS && (end.at.w <= 0.0 || is_large_near(end.at, found.nearest_w)));
+        let may_be_beyond_a_fold = next.status == MISS && is_near_twisted(piece, end.at);
+        if (k < given && restarts == QUEUE && (may_be_led_away || may_be_beyond_a_fold)) {
             restarts = queue.count;
+            approaches = select(0u, APPROACHES, may_be_led_away);
             let size = extent(piece);
             push(&queue, piece.rectangle.xy + vec2<f32>(0.5, 0.5) * size);
             push(&queue, piece.rectangle.xy + vec2<f32>(0.125, 0.125) * size);
@@ -111,7 +115,8 @@ fn is_large_near(at: Place, nearest_w: f32) -> bool {
 }
 
 fn is_near_twisted(piece: PieceRecord, at: Place) -> bool {
-    return piece.patience > 0u && at.squared <= NEAR_TWISTED_PX * NEAR_TWISTED_PX;
+    return piece.patience > 0u && at.squared <= NEAR_TWISTED_PX * NEAR_TWISTED_PX
+        && at.side_squared > TWISTED_SIDE_PX * TWISTED_SIDE_PX;
 }
 
 // The footprint of a pixel whose ray meets the piece at `uv`, by the place where the search came to know.

@@ -102,6 +102,10 @@ pub const LARGE_PX: f32 = 1024.0;
 /// A search that misses a twisted piece by no more than this, pixels, may have gone away from the root, beyond a fold.
 pub const NEAR_TWISTED_PX: f32 = 1.0 / 2.0;
 
+/// Only a twisted piece whose longer side measures more than this there, pixels: smaller ones are nearly met by every ray that
+/// meets a neighbour.
+pub const TWISTED_SIDE_PX: f32 = 16.0;
+
 /// Where a search from a seed of the hull ends behind the eye, or misses a [large](LARGE_PX) piece or
 /// [nearly](NEAR_TWISTED_PX) a twisted one, or has no answer, others begin at these shares of the piece.
 pub const RESTARTS: [[f32; 2]; 5] = [[0.5, 0.5], [0.125, 0.125], [0.125, 0.875], [0.875, 0.125], [0.875, 0.875]];
@@ -262,11 +266,11 @@ impl Problem<'_> {
         let given = queue.count;
         let mut before = [f32::MAX; 2];
         let mut restarts = QUEUE..QUEUE;
+        let mut approaches = 0;
         let mut best = Outcome::Miss;
         let mut k = 0;
         while k < queue.count {
-            let approaches = if restarts.contains(&k) { APPROACHES } else { 0 };
-            let end = self.search::<CAPACITY>(queue.seeds[k], approaches);
+            let end = self.search::<CAPACITY>(queue.seeds[k], if restarts.contains(&k) { approaches } else { 0 });
             best = match (best, end.outcome) {
                 (Outcome::Hit { depth: old, .. }, Outcome::Hit { depth: new, .. }) if new <= old => best,
                 (_, Outcome::Hit { uv, .. }) if is_shown(self.scene, face, &self.footprint(face, &end.at, uv)) => {
@@ -275,13 +279,15 @@ impl Problem<'_> {
                 (Outcome::Miss, Outcome::Unconverged) => end.outcome,
                 _ => best,
             };
-            let is_doubtful = match end.outcome {
+            let may_be_led_away = match end.outcome {
                 Outcome::Hit { .. } => false,
-                Outcome::Miss => end.at.w <= 0.0 || self.is_large_near(&end.at) || is_near_twisted(self.piece, &end.at),
+                Outcome::Miss => end.at.w <= 0.0 || self.is_large_near(&end.at),
                 Outcome::Unconverged => true,
             };
-            if k < given && restarts.is_empty() && is_doubtful {
+            let may_be_beyond_a_fold = end.outcome == Outcome::Miss && is_near_twisted(self.piece, &end.at);
+            if k < given && restarts.is_empty() && (may_be_led_away || may_be_beyond_a_fold) {
                 restarts = queue.count..queue.count + RESTARTS.len();
+                approaches = if may_be_led_away { APPROACHES } else { 0 };
                 for [s, t] in RESTARTS {
                     queue.push([0, 1].map(|k| self.piece.rectangle[k] + [s, t][k] * extent[k]));
                 }
@@ -512,7 +518,9 @@ fn slid(at: &Place, step: [f32; 2], low: [f32; 2], high: [f32; 2]) -> [f32; 2] {
 /// Whether a twisted piece is passed so near that the search may have gone to the wrong side of a fold.
 #[inline(always)]
 fn is_near_twisted(piece: &PieceRecord, at: &Place) -> bool {
-    piece.patience > 0 && at.squared <= NEAR_TWISTED_PX * NEAR_TWISTED_PX
+    piece.patience > 0
+        && at.squared <= NEAR_TWISTED_PX * NEAR_TWISTED_PX
+        && at.side_squared > TWISTED_SIDE_PX * TWISTED_SIDE_PX
 }
 
 /// Whether the piece is seen nearly edge-on there: what the tangent plane says does not reach far.

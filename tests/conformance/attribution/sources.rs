@@ -214,10 +214,7 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "a trim decided where the triangle is, not where the ray is",
-        replace: &[(
-            "is_shown(face, at)",
-            "is_shown(face, Footprint(f.whole, at.right, at.up, at.near_px, 0.0))",
-        )],
+        replace: &[("is_shown(face, at)", "is_shown(face, Footprint(f.whole, at.right, at.up, at.near_px, 0.0))")],
         scenes: TRIMMED,
         cause: Cause::Trim,
     },
