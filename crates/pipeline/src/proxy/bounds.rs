@@ -59,7 +59,7 @@ impl Bounds {
 }
 
 /// A patch cut into so many equal parts of a direction, by `split`.
-pub(super) fn cut(
+fn cut(
     patch: BezierPatch,
     parts: usize,
     [start, end]: [f64; 2],

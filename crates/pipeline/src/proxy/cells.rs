@@ -8,7 +8,7 @@ use scene::Region;
 use std::ops::Range;
 
 /// Triangles up to which the chord error decides; a camera on a face would ask for any number, and gets a coarser tessellation
-/// beyond ([`Proxy::built_px`](super::Proxy::built_px)).
+/// beyond.
 pub(super) const REFINED_TRIANGLES: usize = 1 << 22;
 
 /// Cells of one span in one direction at most: what [`REFINED_TRIANGLES`] leaves of it however narrow it is.
@@ -63,12 +63,7 @@ pub(super) fn total(counts: &[usize]) -> f64 {
 
 /// The fewest cells, from `least` on, that bring the chord bound under `allowed`: always the direction that gains more. From
 /// eight cells on they grow by an eighth, so that the number of steps is bounded by the number of bits of the count.
-pub(super) fn cells_needed(
-    bounds: &DerivativeBounds,
-    [width, height]: [f64; 2],
-    allowed: f64,
-    least: [usize; 2],
-) -> [usize; 2] {
+fn cells_needed(bounds: &DerivativeBounds, [width, height]: [f64; 2], allowed: f64, least: [usize; 2]) -> [usize; 2] {
     let chord = |n: [usize; 2]| bounds.chord(width / n[0] as f64, height / n[1] as f64);
     let more = |n: usize| (n + (n / 8).max(1)).min(GREATEST_CELLS);
     let mut n = least;

@@ -7,7 +7,7 @@ use scene::{Camera, Viewport};
 /// The half-spaces that hold what a picture shows.
 pub(super) struct Frustum {
     /// A plane (n, d) has what is outside at n · p + d < 0.
-    pub(super) planes: [DVec4; 5],
+    planes: [DVec4; 5],
 }
 
 /// How far beyond the picture's border what a patch shows may matter to a pixel in it, as a share of the picture.

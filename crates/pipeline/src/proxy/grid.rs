@@ -12,9 +12,9 @@ const SLANT: f64 = 4.0;
 
 /// The corners of a part of a face: a grid of them.
 pub(super) struct Grid {
-    pub(super) span: [u32; 2],
+    span: [u32; 2],
     /// Parameters of the corners, u outer; those of a skirt lie beyond the domain.
-    pub(super) corners: Vec<[f32; 2]>,
+    corners: Vec<[f32; 2]>,
     /// How many corners a row in v has.
     pub(super) columns: usize,
 }
@@ -62,7 +62,7 @@ impl Grid {
 
     /// A grid that goes on beyond the sides of the domain into whose cells the region comes, by at least the skirt's width
     /// along the tangents, but where the side is collapsed.
-    pub(super) fn with_skirt(span: [u32; 2], lines: [&[f32]; 2], breaks: &[Vec<f64>; 2], skirt: &Skirt) -> Self {
+    fn with_skirt(span: [u32; 2], lines: [&[f32]; 2], breaks: &[Vec<f64>; 2], skirt: &Skirt) -> Self {
         let &Skirt { surface, region, width } = skirt;
         let hull = region.hull();
         let ends = [0, 1].map(|k| [breaks[k][span[k] as usize], breaks[k][span[k] as usize + 1]]);
