@@ -115,8 +115,10 @@ fn is_large_near(at: Place, nearest_w: f32) -> bool {
 }
 
 fn is_near_twisted(piece: PieceRecord, at: Place) -> bool {
+    let margin = BEYOND * extent(piece);
+    let is_at_border = any(at.uv <= piece.rectangle.xy - margin) || any(at.uv >= piece.rectangle.zw + margin);
     return piece.patience > 0u && at.squared <= NEAR_TWISTED_PX * NEAR_TWISTED_PX
-        && at.side_squared > TWISTED_SIDE_PX * TWISTED_SIDE_PX;
+        && at.side_squared > TWISTED_SIDE_PX * TWISTED_SIDE_PX && is_at_border;
 }
 
 // The footprint of a pixel whose ray meets the piece at `uv`, by the place where the search came to know.

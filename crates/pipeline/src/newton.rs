@@ -99,7 +99,8 @@ pub const ONE_END: f32 = 1.0 / 64.0;
 /// measured where the ray comes into its hull: a search that is led away from the eye ends where the piece is small.
 pub const LARGE_PX: f32 = 1024.0;
 
-/// A search that misses a twisted piece by no more than this, pixels, may have gone away from the root, beyond a fold.
+/// A search that ends at a border of a twisted piece and misses by no more than this, pixels, may have gone away from the root,
+/// beyond a fold.
 pub const NEAR_TWISTED_PX: f32 = 1.0 / 2.0;
 
 /// Only a twisted piece whose longer side measures more than this there, pixels: smaller ones are nearly met by every ray that
@@ -515,12 +516,14 @@ fn slid(at: &Place, step: [f32; 2], low: [f32; 2], high: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// Whether a twisted piece is passed so near that the search may have gone to the wrong side of a fold.
+/// Whether a search ended at a border of a twisted piece, and so near the ray that it may have gone to the wrong one.
 #[inline(always)]
 fn is_near_twisted(piece: &PieceRecord, at: &Place) -> bool {
+    let [low, high] = searched(piece);
     piece.patience > 0
         && at.squared <= NEAR_TWISTED_PX * NEAR_TWISTED_PX
         && at.side_squared > TWISTED_SIDE_PX * TWISTED_SIDE_PX
+        && (0..2).any(|k| at.uv[k] <= low[k] || at.uv[k] >= high[k])
 }
 
 /// Whether the piece is seen nearly edge-on there: what the tangent plane says does not reach far.
