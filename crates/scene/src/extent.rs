@@ -8,6 +8,7 @@
 //! The curves that bound a region are halved with the cells that they pass, and a cell that none passes is seen as a
 //! whole or not at all. So the answer is that of the region, not of the box of its curves.
 
+use crate::region::contour::is_crossed;
 use crate::{Face, Piece, Region};
 use glam::{DVec2, DVec3};
 use nurbs::{BezierCurve, BezierPatch, Direction, Hull, Rectangle, Surface};
@@ -380,37 +381,7 @@ fn spread(patch: &BezierPatch) -> [f64; 2] {
 
 /// How often a region's boundary winds about a point that no piece passes.
 fn winding(region: &Region, point: DVec2) -> i32 {
-    let passes = |piece: &&Piece| {
-        let (start, end) = (piece.curve.start().y, piece.curve.end().y);
-        (start <= point.y) != (end <= point.y)
-    };
-    region
-        .pieces()
-        .iter()
-        .filter(passes)
-        .filter(|piece| point.x < at_height(&piece.curve, point))
-        .map(Piece::winding)
-        .sum()
-}
-
-/// Where in u a monotone piece is at the height of `point`, as far as its side of the point asks.
-fn at_height(curve: &BezierCurve, point: DVec2) -> f64 {
-    let hull = curve.hull();
-    if point.x < hull.min.x {
-        return hull.min.x;
-    }
-    if hull.max.x <= point.x {
-        return hull.max.x;
-    }
-    let rises = curve.start().y < curve.end().y;
-    let (mut low, mut high) = (0.0, 1.0);
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return curve.point(middle).x;
-        }
-        if (curve.point(middle).y <= point.y) == rises { low = middle } else { high = middle }
-    }
+    region.pieces().iter().filter(|piece| is_crossed(&piece.curve, point)).map(Piece::winding).sum()
 }
 
 #[cfg(test)]

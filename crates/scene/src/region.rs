@@ -12,7 +12,7 @@
 
 mod chain;
 mod clip;
-mod contour;
+pub(crate) mod contour;
 mod crossing;
 mod nesting;
 mod ring;

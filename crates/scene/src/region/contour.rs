@@ -127,17 +127,15 @@ pub(super) fn curves(segments: &[Segment]) -> impl Iterator<Item = &BezierCurve>
 ///
 /// Exact but for points nearer to a piece than its evaluation's rounding.
 pub(super) fn winding<'a>(pieces: impl IntoIterator<Item = &'a BezierCurve>, point: DVec2) -> i32 {
-    let mut sum = 0;
-    for piece in pieces {
-        let (a, b) = (piece.start(), piece.end());
-        let (low, high) = (a.y.min(b.y), a.y.max(b.y));
-        if !(low <= point.y && point.y < high) || a.x.max(b.x) <= point.x {
-            continue;
-        }
-        let right = point.x < a.x.min(b.x) || is_beyond(piece, point);
-        sum += i32::from(right) * if a.y < b.y { 1 } else { -1 };
-    }
-    sum
+    let crossed = pieces.into_iter().filter(|piece| is_crossed(piece, point));
+    crossed.map(|piece| if piece.start().y < piece.end().y { 1 } else { -1 }).sum()
+}
+
+/// Whether the ray from a point toward +u crosses a monotone piece.
+pub(crate) fn is_crossed(piece: &BezierCurve, point: DVec2) -> bool {
+    let (a, b) = (piece.start(), piece.end());
+    let (low, high) = (a.y.min(b.y), a.y.max(b.y));
+    low <= point.y && point.y < high && point.x < a.x.max(b.x) && (point.x < a.x.min(b.x) || is_beyond(piece, point))
 }
 
 /// Whether a monotone piece passes the height of a point, within its range, at a greater u than the point's.
