@@ -150,7 +150,6 @@ fn bernstein_peak(i: usize, p: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
     use proptest::prelude::*;
 
     fn curve(points: Vec<(f64, f64, f64)>) -> BezierCurve {
@@ -200,22 +199,23 @@ mod tests {
             for pair in parts.windows(2) {
                 prop_assert_eq!(pair[0].curve.end(), pair[1].curve.start());
             }
-            // Every point of the curve is within the bound, and the samples' chords, of a part.
-            let samples: Vec<DVec2> =
-                parts.iter().flat_map(|part| (0..=20).map(|i| part.curve.point(f64::from(i) / 20.0))).collect();
-            for i in 0..=100 {
-                let point = curve.point(f64::from(i) / 100.0);
-                let nearest = samples.windows(2).map(|s| to_segment(point, s[0], s[1])).fold(f64::INFINITY, f64::min);
-                prop_assert!(nearest <= 1.5e-3, "{nearest:e}");
-            }
+            let mut rest = &parts[..];
+            near(&curve, &mut rest)?;
+            prop_assert!(rest.is_empty());
             prop_assert!(parts.iter().all(|part| part.error <= 1e-3 && part.curve.degree() <= degree));
         }
     }
 
-    fn to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
-        let along = b - a;
-        let t = if along == DVec2::ZERO { 0.0 } else { ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0) };
-        p.distance(a + along * t)
+    /// Takes the parts that stand for a curve: one that has its end, or those of its halves.
+    fn near(curve: &BezierCurve, parts: &mut &[Reduced]) -> Result<(), TestCaseError> {
+        let (part, rest) = parts.split_first().expect("a part for every half");
+        if part.curve.end() == curve.end() {
+            *parts = rest;
+            let error = farthest(&part.curve, curve);
+            prop_assert!(error <= part.error * (1.0 + 1e-12) + 1e-13, "{error:e} above {:e}", part.error);
+            return Ok(());
+        }
+        curve.split(0.5).iter().try_for_each(|half| near(half, parts))
     }
 
     #[test]

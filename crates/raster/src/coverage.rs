@@ -43,7 +43,6 @@ mod tests {
     use crate::setup::SUBPIXEL_ONE;
     use crate::vertex::Corner;
     use proptest::prelude::*;
-    use proptest::test_runner::RngSeed;
 
     /// Pixels a side of the pictures drawn here.
     const SIDE: i32 = 24;
@@ -87,14 +86,8 @@ mod tests {
         [coordinate(), coordinate()]
     }
 
-    /// The same inputs in every run.
-    fn seeded(cases: u32) -> ProptestConfig {
-        let rng_seed = RngSeed::Fixed(20_261_107);
-        ProptestConfig { failure_persistence: None, rng_seed, ..ProptestConfig::with_cases(cases) }
-    }
-
     proptest! {
-        #![proptest_config(seeded(2000))]
+        #![proptest_config(ProptestConfig::with_cases(2000))]
 
         #[test]
         fn coverage_is_what_exact_rationals_say(corners in [point(), point(), point()]) {
@@ -110,7 +103,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(seeded(300))]
+        #![proptest_config(ProptestConfig::with_cases(300))]
 
         #[test]
         fn a_triangulated_grid_covers_every_centre_exactly_once(

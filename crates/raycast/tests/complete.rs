@@ -6,7 +6,6 @@ use common::{Random, allowed, bezier_knots, check, one, random_surface};
 use glam::{DVec2, DVec3};
 use nurbs::{Direction, Surface};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use raycast::Caster;
 use scene::{FaceId, Ray};
 
@@ -160,7 +159,7 @@ fn brute_force_finds_nothing_more() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, rng_seed: RngSeed::Fixed(41), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(1500))]
 
     #[test]
     fn every_point_of_a_surface_is_hit_by_a_ray_through_it(seed: u64) {

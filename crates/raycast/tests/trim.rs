@@ -137,7 +137,7 @@ fn sampled_distance(curve: &BezierCurve, point: DVec2) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn pieces_and_subdivision_agree_and_no_edge_is_within_the_distance(

@@ -632,7 +632,7 @@ fn star(radii: &[f64], degree: usize, weights: &[f64]) -> Loop {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn random_rational_loops_have_the_area_of_their_polygons_limit(

@@ -155,8 +155,6 @@ fn model() -> impl Strategy<Value = Model> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
-
     #[test]
     fn random_models_survive_writing(model in model()) {
         assert_round_trip(&model);
