@@ -56,7 +56,7 @@ fn an_edited_renderer_shows_what_a_new_one_shows() {
         assert_eq!(hits(&learned), hits(&new), "{technique:?}");
         assert_ne!(hits(&old), hits(&new), "{technique:?}: the edit shows");
         // The trims alone are more numbers than the control points and corners that moved.
-        let all = 16 * after.points.len() + 36 * is.vertices.len() + 96 * is.pieces.len();
+        let all = 16 * after.points().len() + 36 * is.vertices.len() + 96 * is.pieces.len();
         assert!(bytes > 0 && bytes < all as u64, "{technique:?}: {bytes} of {all}");
         assert_eq!(renderer.edit((&after, &is), (&after, &is)).expect("nothing"), 0);
     }

@@ -47,7 +47,7 @@ fn a_root_beyond_the_fold_hides_those_that_the_first_searches_find() {
         let caster = Caster::new(&model);
         let first = caster.all(&camera.ray(viewport, at[0], at[1])).hits[0];
         let [[u0, u1], [v0, v1]] = model.surface(first.face).domain();
-        let uv = stage.scene.frames[face].uv(span, uv);
+        let uv = stage.scene.frames()[face].uv(span, uv);
         let off = (uv - first.uv).abs() / DVec2::new(u1 - u0, v1 - v0);
         assert!(face == first.face.0 as usize && off.max_element() < 1e-3, "{name} ({x}, {y}): {uv}, not {}", first.uv);
     }

@@ -2,7 +2,9 @@
 
 use compare::{Cause, PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Hit};
-use pipeline::Parameters;
+use glam::DVec3;
+use nurbs::{Direction, Surface};
+use pipeline::{PackedScene, Parameters};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 use std::sync::Arc;
@@ -82,7 +84,7 @@ fn a_value_just_outside_its_interval_is_rounding() {
     let (raycast, raster) = (stage.raycast(&caster), stage.raster());
     let enclosures = stage.enclosures(raster.get(AT[0], AT[1]).expect("covered"), true);
     let enclosure = *enclosures.iter().next().expect("one");
-    let scale = stage.scene.frames[raster.get(AT[0], AT[1]).expect("covered").face.0 as usize].scale;
+    let scale = stage.scene.frames()[raster.get(AT[0], AT[1]).expect("covered").face.0 as usize].scale;
     for (half_widths, cause) in [(0.5, None), (3.0, Some(Cause::Rounding))] {
         let moved = changed(&raster, "fragment", |hit| {
             let mut hit = hit.expect("covered");
@@ -102,9 +104,14 @@ fn a_control_point_that_was_packed_wrongly_is_noticed_though_the_program_is_righ
     let mut stage = stage(&model, UNBOUNDED_SHARE);
     let raycast = stage.raycast(&caster);
     // Far below what moves a pixel: only the numbers can tell.
-    for point in &mut Arc::make_mut(&mut stage.scene).points {
-        point[0] *= 1.0 + 3e-6;
-    }
+    let wider = |surface: &Surface| {
+        let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
+        let points = surface.points().iter().map(|p| *p * DVec3::new(1.0 + 3e-6, 1.0, 1.0)).collect();
+        Surface::new(u, v, points, surface.weights().map(<[f64]>::to_vec)).expect("as legal as before")
+    };
+    let surfaces = model.surfaces().iter().map(wider).collect();
+    let wider = Model::new("wider".to_owned(), surfaces, model.faces().to_vec()).expect("as legal as before");
+    stage.scene = Arc::new(PackedScene::new(&wider, stage.plan.scheme).expect("it packs"));
     let report = stage.against_raycast(&caster, &raycast, &stage.raster()).expect("comparable");
     assert_eq!(report.verdict, Verdict::Differ);
     assert!(report.worst[0].detail.contains("the packed face is off"), "{:?}", report.worst[0]);

@@ -84,7 +84,7 @@ fn wrong_texels(model: &Model, plan: &MaskPlan, texels: &[u8], margin: f64) -> (
             }
             let share = (dvec2(column as f64, row as f64) + 0.5) / dvec2(width as f64, height as f64);
             let uv = (tile.hull[0] + share * (tile.hull[1] - tile.hull[0])).to_array().map(|t| t as f32);
-            let expected = trim::is_material(&scene, &scene.faces[index], uv);
+            let expected = trim::is_material(&scene, &scene.faces()[index], uv);
             let at = (tile.corner[1] as usize + row) * plan.size[0] as usize + tile.corner[0] as usize + column;
             assert!(matches!(texels[at], 0 | 255));
             judged += 1;
@@ -181,7 +181,7 @@ fn masks_far_too_coarse_for_the_picture_are_judged_by_their_own_error() {
     let model = model("islands");
     let caster = Caster::new(&model);
     let stage = staged(&model, Technique::Fragment, fixed(24, 2));
-    let error = stage.scene.masks.as_ref().expect("masked").plan.error_px();
+    let error = stage.scene.masks().expect("masked").plan.error_px();
     assert!(error > 2.0, "{error} px");
     let pairs = compared(&stage, &device(), &caster);
     assert!(
@@ -230,10 +230,11 @@ fn a_loop_left_out_a_wrong_fan_and_a_union_for_parity_are_found_and_named() {
             assert!(trim > 0 && trim * 20 >= pair.differing() * 19, "{name}, {what}: {:?}", pair.causes);
         };
         judged(&healthy, Overrides { mask: MaskBlend::Union, ..Overrides::default() }, "union");
-        let plan = &healthy.scene.masks.as_ref().expect("masked").plan;
+        let plan = &healthy.scene.masks().expect("masked").plan;
         let faulty = |plan: &MaskPlan| {
             let mut stage = staged(&model, Technique::Fragment, MaskOptions::default());
-            Arc::make_mut(&mut stage.scene).masks = Some(Masks::new(plan.clone(), MaskFill::EvenOdd));
+            let masks = Masks::new(plan.clone(), MaskFill::EvenOdd);
+            stage.scene = Arc::new(PackedScene::masked(&model, stage.plan.scheme, masks).expect("small"));
             stage
         };
         let [mut without, mut turned] = [plan.clone(), plan.clone()];

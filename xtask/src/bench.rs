@@ -259,13 +259,13 @@ fn evaluate_f32(model: &Model, points: &[[f64; 2]]) -> Result<f64> {
     let scene = PackedScene::new(model, Scheme::Specialised)?;
     let mut uv: Vec<[f32; 2]> = points.iter().map(|uv| uv.map(|t| t as f32)).collect();
     // As a rasterizer meets them: one span after the other.
-    let starts = scene.starts(&scene.faces[0]);
+    let starts = scene.starts(&scene.faces()[0]);
     uv.sort_by_key(|uv| [0, 1].map(|k| find_span(starts[k], uv[k])));
     let uv: Vec<Parameters> = uv
         .into_iter()
         .map(|uv| {
             let span = [0, 1].map(|k| find_span(starts[k], uv[k]) as u32);
-            let spans = scene.spans(&scene.faces[0], span);
+            let spans = scene.spans(&scene.faces()[0], span);
             Parameters { span, uv: [0, 1].map(|k| spans[k].local(uv[k])) }
         })
         .collect();

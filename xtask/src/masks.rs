@@ -83,7 +83,7 @@ pub struct MaskReport {
 impl MaskReport {
     /// Of a stage that trims by masks.
     pub fn of(stage: &Stage) -> Option<Self> {
-        let plan = &stage.scene.masks.as_ref()?.plan;
+        let plan = &stage.scene.masks()?.plan;
         let error_px = plan.error_px();
         let asked = match stage.plan.trim {
             Trimming::Texture(MaskOptions { quality: MaskQuality::Error { px }, .. }) => px,

@@ -98,7 +98,7 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Resu
     let enclosures = |hit: &Hit| stage.enclosures(hit, true);
     row("interval of S, local", &|hit| intervals(&enclosures(hit), |e| e.position));
     row("S, local", &|hit| {
-        let frame = &stage.scene.frames[hit.face.0 as usize];
+        let frame = &stage.scene.frames()[hit.face.0 as usize];
         let s = (hit.position - frame.origin) / frame.scale;
         s.to_array().map(|x| format!("{x:+.9e}")).join("\n")
     });
@@ -111,7 +111,7 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Resu
     row("k1", &|hit| hit.curvature.map_or("—".to_owned(), |k| k.k1.to_string()));
     row("k2", &|hit| hit.curvature.map_or("—".to_owned(), |k| k.k2.to_string()));
     row("interval of k1, k2", &|hit| {
-        let scale = stage.scene.frames[hit.face.0 as usize].scale;
+        let scale = stage.scene.frames()[hit.face.0 as usize].scale;
         intervals(&enclosures(hit), |e| e.curvature.map(|k| k.map(|k| k.scaled(1.0 / scale))))
     });
     row("decisions", &|hit| {

@@ -227,7 +227,7 @@ impl<'m> Stage<'m> {
 
     /// How the rasterizers trim, as their G-buffers say it: masks made for that error are at least as coarse as these.
     fn trims(&self) -> Trims {
-        let (Some(masks), Trimming::Texture(options)) = (&self.scene.masks, &self.plan.trim) else {
+        let (Some(masks), Trimming::Texture(options)) = (&self.scene.masks(), &self.plan.trim) else {
             return Trims::Exact;
         };
         let asked = match options.quality {
@@ -359,7 +359,7 @@ impl<'m> Stage<'m> {
 
     /// What the fragment program may return at a hit's own place.
     pub fn enclosures(&self, hit: &Hit, curvature: bool) -> Enclosures {
-        enclose(&self.scene, hit.face.0, &self.scene.frames[hit.face.0 as usize].known(hit), curvature)
+        enclose(&self.scene, hit.face.0, &self.scene.frames()[hit.face.0 as usize].known(hit), curvature)
     }
 
     fn rays<'a>(&self, caster: &'a Caster<'a>) -> Rays<'a> {
@@ -381,7 +381,7 @@ impl<'m> Stage<'m> {
             (Technique::Exact, true) => solved(),
             (Technique::Exact, false) => solved().either(&solved()),
         };
-        match &self.scene.masks {
+        match &self.scene.masks() {
             None => deviation,
             Some(masks) => {
                 let text = format!("{}; trim edges: masks within {:.3} px", deviation.text, masks.plan.error_px());

@@ -129,7 +129,7 @@ impl Judge<'_> {
     /// How far off an edge the fragment program may place it in the picture, pixels: what f32 leaves of the curves' places
     /// in (u, v), of S, of its picture, and what the recording rounds.
     fn edge_band_px(&self, hit: &Hit, region: &Region, about: &About) -> f64 {
-        let frame = &self.scene.frames[hit.face.0 as usize];
+        let frame = &self.scene.frames()[hit.face.0 as usize];
         let size = frame.edge_band * region.domain().size();
         let curves = size.x * about.slopes.x_axis.length() + size.y * about.slopes.y_axis.length();
         let enclosures = enclose(self.scene, hit.face.0, &frame.known(hit), false);

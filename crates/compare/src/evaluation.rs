@@ -32,7 +32,7 @@ impl Judge<'_> {
             let detail = format!("(u, v) = {}, S = {}", hit.uv, hit.position);
             return Err(Difference::new(self.attribution.of_position(hit, f64::INFINITY), f64::INFINITY, detail));
         }
-        let frame = &self.scene.frames[hit.face.0 as usize];
+        let frame = &self.scene.frames()[hit.face.0 as usize];
         let known = frame.known(hit);
         let enclosures = enclose(self.scene, hit.face.0, &known, hit.curvature.is_some());
         // Where the parameters are not known to the bit, the half-width holds what they leave open.
@@ -124,7 +124,7 @@ impl Judge<'_> {
 
     /// Whether the packed face that the enclosure is of is the model's: f64 lies as near as narrowing allows.
     fn packed_rightly(&self, hit: &Hit, local: &Local, enclosure: &Enclosure) -> Result<(), Difference> {
-        let frame = &self.scene.frames[hit.face.0 as usize];
+        let frame = &self.scene.frames()[hit.face.0 as usize];
         let surface = self.model.surface(hit.face);
         let reversed = self.model.faces()[hit.face.0 as usize].reversed;
         let span = self.knot_spans(hit.face, enclosure.on.map(|on| on.span));

@@ -260,7 +260,7 @@ impl<'m> Judge<'m> {
     /// fold, where the ray may pass the surface by, the hit's own.
     fn trim_place(&self, hit: &Hit, center: DVec2) -> Option<(Place, DVec2)> {
         let region = self.model.region(hit.face)?;
-        let band = self.scene.frames[hit.face.0 as usize].edge_band * region.domain().size();
+        let band = self.scene.frames()[hit.face.0 as usize].edge_band * region.domain().size();
         let uv = self.seen_at(hit, center).unwrap_or(hit.uv);
         Some((trim::place(region, uv, band), uv))
     }
@@ -354,7 +354,7 @@ impl<'m> Judge<'m> {
 
     /// A hit's local parameters, where they are believed.
     fn local(&self, hit: &Hit) -> Option<LocalParameters> {
-        self.scene.frames[hit.face.0 as usize].believed(hit)
+        self.scene.frames()[hit.face.0 as usize].believed(hit)
     }
 
     /// The knot spans that have these numbers among those of a face that are not empty.

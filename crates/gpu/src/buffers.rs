@@ -33,13 +33,13 @@ impl SceneBuffers {
         visibility: ShaderStages,
         blend: MaskBlend,
     ) -> Result<Self, GpuError> {
-        let faces = scene.faces.len();
+        let faces = scene.faces().len();
         let views = vec![<View as bytemuck::Zeroable>::zeroed(); faces];
         let contents: [&[u8]; 4] = [
-            bytemuck::cast_slice(&scene.faces),
+            bytemuck::cast_slice(scene.faces()),
             bytemuck::cast_slice(&views),
-            bytemuck::cast_slice(&scene.knots),
-            bytemuck::cast_slice(&scene.points),
+            bytemuck::cast_slice(scene.knots()),
+            bytemuck::cast_slice(scene.points()),
         ];
         let mut storage = vec![];
         for (what, bytes) in STORAGE_BINDINGS.into_iter().zip(contents) {
@@ -49,7 +49,7 @@ impl SceneBuffers {
         let shading = <ShadeUniform as bytemuck::Zeroable>::zeroed();
         let shading = device.buffer("shading", BufferUsages::UNIFORM, bytemuck::bytes_of(&shading))?;
         let draw = |masks: &Masks| MaskPainter::new(device, blend)?.draw(device, &masks.plan);
-        let atlas = scene.masks.as_ref().map(draw).transpose()?;
+        let atlas = scene.masks().filter(|_| scene.is_trimmed()).map(draw).transpose()?;
         let (layout, group) = device.guarded(UPLOADING, || {
             let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
             let read_only = buffer(wgpu::BufferBindingType::Storage { read_only: true });
@@ -100,9 +100,9 @@ impl SceneBuffers {
         let changed = |binding: usize, before: &[u8], after: &[u8]| {
             device.write_changes(STORAGE_BINDINGS[binding], &self.storage[binding], before, after)
         };
-        Ok(changed(0, bytemuck::cast_slice(&before.faces), bytemuck::cast_slice(&after.faces))?
-            + changed(2, bytemuck::cast_slice(&before.knots), bytemuck::cast_slice(&after.knots))?
-            + changed(3, bytemuck::cast_slice(&before.points), bytemuck::cast_slice(&after.points))?)
+        Ok(changed(0, bytemuck::cast_slice(before.faces()), bytemuck::cast_slice(after.faces()))?
+            + changed(2, bytemuck::cast_slice(before.knots()), bytemuck::cast_slice(after.knots()))?
+            + changed(3, bytemuck::cast_slice(before.points()), bytemuck::cast_slice(after.points()))?)
     }
 
     /// Says how the next frame is shaded.

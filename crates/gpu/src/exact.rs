@@ -334,8 +334,8 @@ fn first_target(output: Output) -> u32 {
 mod tests {
     use super::*;
     use naga::TypeInner;
-    use pipeline::Technique;
     use pipeline::wgsl::{self, Variant};
+    use pipeline::{Technique, TrimMethod};
 
     #[test]
     fn records_and_workgroups_are_those_of_the_shader() {
@@ -344,9 +344,7 @@ mod tests {
             program: Program::Degree(3),
             curvature: false,
             interpolated_normal: false,
-            trimmed: false,
-            masked: false,
-            edges: false,
+            trims: TrimMethod::Whole,
         };
         let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();
         let size = |name: &str| {

@@ -199,16 +199,14 @@ impl<'a> Renderer<'a> {
             Technique::Exact => Method::Exact(Exact::new(device, &buffers, proxy, overrides.depth)?),
         };
         let mut modules = HashMap::new();
-        for &program in &scene.programs {
+        for &program in scene.programs() {
             if let Entry::Vacant(vacant) = modules.entry(program) {
                 let variant = Variant {
                     technique,
                     program,
                     curvature,
                     interpolated_normal: interpolated_normals,
-                    trimmed: scene.is_trimmed(),
-                    masked: scene.masks.is_some(),
-                    edges: scene.edges,
+                    trims: scene.trim_method(),
                 };
                 let source = overrides.source.map_or_else(|| wgsl::source(variant), |source| source(variant));
                 vacant.insert(device.module(program, source)?);
@@ -283,7 +281,7 @@ impl<'a> Renderer<'a> {
                 },
             )
         });
-        let buffer = GBuffer::from_rows(viewport, meta, hits).with_edges(self.scene.edges);
+        let buffer = GBuffer::from_rows(viewport, meta, hits).with_edges(self.scene.has_edges());
         match (failure, store) {
             (Some(error), _) => Err(error),
             (None, Store::Depth(_)) => Ok(buffer),
@@ -338,7 +336,9 @@ impl<'a> Renderer<'a> {
             .map(|x| {
                 let record =
                     Record { identity: word(0, x), position: float(1, x), normal: float(2, x), shape: float(3, x) };
-                Ok(record.pixel(x, y, self.scene)?.map(|fragment| make(x, fragment)))
+                Ok(record
+                    .pixel(x, y, self.scene.faces().len(), self.scene.has_edges())?
+                    .map(|fragment| make(x, fragment)))
             })
             .collect()
     }

@@ -8,7 +8,7 @@ use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
 use pipeline::fragment::Fragment;
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, Parameters, Program, Technique};
+use pipeline::{PackedScene, Parameters, Program, Technique, TrimMethod};
 use wgpu::{BufferBindingType, ShaderStages};
 
 /// The compute entry point `probe`, to stand behind any [`wgsl::source`].
@@ -81,7 +81,7 @@ fn answers(
     program: Program,
     queries: &[(u32, Parameters)],
 ) -> Result<Vec<Record>, GpuError> {
-    let of_program = |face: u32| scene.programs.get(face as usize) == Some(&program);
+    let of_program = |face: u32| scene.programs().get(face as usize) == Some(&program);
     if let Some(index) = queries.iter().position(|&(face, _)| !of_program(face)) {
         return Err(GpuError::ProbeFace { index, face: queries[index].0, program: format!("{program:?}") });
     }
@@ -90,9 +90,7 @@ fn answers(
         program,
         curvature: true,
         interpolated_normal: false,
-        trimmed: false,
-        masked: false,
-        edges: false,
+        trims: TrimMethod::Curves,
     };
     let module = device.module(program, wgsl::source(variant) + PROBE)?;
     let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, MaskBlend::default())?;
@@ -181,9 +179,7 @@ mod tests {
             program: Program::General,
             curvature: true,
             interpolated_normal: false,
-            trimmed: false,
-            masked: false,
-            edges: false,
+            trims: TrimMethod::Curves,
         };
         let module = naga::front::wgsl::parse_str(&(wgsl::source(variant) + PROBE)).unwrap();
         let members = |name: &str| {

@@ -3,8 +3,8 @@
 use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
 use nurbs::NormalStatus;
+use pipeline::edge;
 use pipeline::fragment::Fragment;
-use pipeline::{PackedScene, edge};
 use scene::Viewport;
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::BufferUsages;
@@ -60,15 +60,20 @@ impl Record {
         }
     }
 
-    /// The fragment of pixel (x, y) of a scene, or `None` where nothing was drawn.
-    pub(crate) fn pixel(&self, x: usize, y: usize, scene: &PackedScene) -> Result<Option<Fragment>, GpuError> {
-        let count = scene.faces.len();
+    /// The fragment of pixel (x, y) of a scene of `count` faces, with edges or without, or `None` where nothing was drawn.
+    pub(crate) fn pixel(
+        &self,
+        x: usize,
+        y: usize,
+        count: usize,
+        has_edges: bool,
+    ) -> Result<Option<Fragment>, GpuError> {
         if self.identity[0] == 0 {
             let cleared = [self.position, self.normal, self.shape] == [[CLEARED; 4]; 3] && self.identity == [0; 4];
             return if cleared { Ok(None) } else { Err(GpuError::NotCleared { x, y }) };
         }
         let mut fragment = self.fragment();
-        if scene.edges {
+        if has_edges {
             let [face, word, span_u, span_v] = self.identity;
             let (status, edge) = edge::unpacked(word);
             fragment = Fragment { edge, ..Self { identity: [face, status, span_u, span_v], ..*self }.fragment() };
@@ -227,41 +232,28 @@ mod tests {
     const EMPTY: Record =
         Record { identity: [0; 4], position: [CLEARED; 4], normal: [CLEARED; 4], shape: [CLEARED; 4] };
 
-    /// A scene of so many faces.
-    fn scene(faces: usize) -> PackedScene {
-        PackedScene {
-            faces: vec![Zeroable::zeroed(); faces],
-            knots: vec![],
-            points: vec![],
-            frames: vec![],
-            programs: vec![],
-            masks: None,
-            edges: false,
-        }
-    }
-
     #[test]
     fn a_cleared_pixel_is_a_miss() {
-        assert_eq!(EMPTY.pixel(3, 4, &scene(1)), Ok(None));
+        assert_eq!(EMPTY.pixel(3, 4, 1, false), Ok(None));
     }
 
     #[test]
     fn a_pixel_that_was_never_copied_is_not_taken_for_a_miss() {
         let zeros = <Record as Zeroable>::zeroed();
-        assert_eq!(zeros.pixel(3, 4, &scene(1)), Err(GpuError::NotCleared { x: 3, y: 4 }));
+        assert_eq!(zeros.pixel(3, 4, 1, false), Err(GpuError::NotCleared { x: 3, y: 4 }));
     }
 
     #[test]
     fn a_face_that_is_not_there_is_named_with_its_pixel() {
         let record = Record { identity: [8, 0, 3, 3], ..EMPTY };
-        assert_eq!(record.pixel(3, 4, &scene(7)), Err(GpuError::Malformed { x: 3, y: 4, face: 7, count: 7 }));
-        assert_eq!(record.pixel(3, 4, &scene(8)).unwrap().unwrap().face, 7);
+        assert_eq!(record.pixel(3, 4, 7, false), Err(GpuError::Malformed { x: 3, y: 4, face: 7, count: 7 }));
+        assert_eq!(record.pixel(3, 4, 8, false).unwrap().unwrap().face, 7);
     }
 
     #[test]
     fn numbers_that_are_none_and_statuses_that_are_none_pass_to_the_comparison() {
         let record = Record { identity: [1, 77, 99, 3], position: [f32::NAN; 4], normal: [f32::INFINITY; 4], ..EMPTY };
-        let fragment = record.pixel(0, 0, &scene(1)).unwrap().unwrap();
+        let fragment = record.pixel(0, 0, 1, false).unwrap().unwrap();
         assert!(fragment.position[0].is_nan() && fragment.uv[0].is_nan());
         assert_eq!(fragment.span, [99, 3]);
         assert_eq!(fragment.status, NormalStatus::Undefined);
@@ -269,13 +261,12 @@ mod tests {
 
     #[test]
     fn an_edge_is_read_from_the_status_of_a_scene_with_edges_alone() {
-        let scene = |edges| PackedScene { edges, ..scene(1) };
         let word = edge::packed(Some([0.25, -1.0]));
         let record = Record { identity: [1, word, 3, 3], ..EMPTY };
-        let fragment = record.pixel(0, 0, &scene(true)).unwrap().unwrap();
+        let fragment = record.pixel(0, 0, 1, true).unwrap().unwrap();
         assert_eq!((fragment.status, fragment.edge), (NormalStatus::Regular, edge::unpacked(word).1));
         assert!(fragment.edge.is_some_and(|[x, y]| (x - 0.25).abs() < 1e-4 && y == -1.0));
-        let fragment = record.pixel(0, 0, &scene(false)).unwrap().unwrap();
+        let fragment = record.pixel(0, 0, 1, false).unwrap().unwrap();
         assert_eq!((fragment.status, fragment.edge), (NormalStatus::Undefined, None));
     }
 }

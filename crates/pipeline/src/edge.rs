@@ -19,13 +19,11 @@
 //! pieces apart that bend within a pixel: `compare` states and measures both. Nothing is found where the face is seen
 //! edge-on ([`EDGE_ON`]).
 
-mod pack;
+pub(crate) mod pack;
 
-pub(crate) use pack::Leaf;
-
-use crate::PackedScene;
 use crate::fragment::{TangentPlane, tangent_plane};
 use crate::layout::{FaceRecord, Parameters, View};
+use crate::packed::PackedScene;
 use crate::sight::NEAR_PX;
 use crate::trim::{self, point};
 
@@ -109,8 +107,8 @@ struct Foot {
 /// `uv` are parameters of the whole domain, 0 … 1, of a point that is seen near there; the search begins at the place that they have at
 /// `at` itself, by one step of Newton's method.
 pub fn edge(scene: &PackedScene, view: &View, face: u32, uv: [f32; 2], at: [f32; 2]) -> Option<[f32; 2]> {
-    let f = &scene.faces[face as usize];
-    if !scene.edges || f.intervals == 0 {
+    let f = &scene.faces()[face as usize];
+    if !scene.has_edges() || f.intervals == 0 {
         return None;
     }
     let (mut here, mut place) = (seen(scene, view, face, uv, at)?, uv);
@@ -191,12 +189,12 @@ fn map(seen: &Seen, uv: [f32; 2]) -> Option<Map> {
 /// The nearest place of the face's edges as the linear map has them, within [`MAP_REACH_PX`].
 fn nearest(scene: &PackedScene, f: &FaceRecord, map: &Map) -> Option<Foot> {
     let tree = (f.trims + 2 * (f.intervals + 1)) as usize;
-    let (mut node, end) = (scene.knots[tree] as usize, scene.knots[tree + 1] as usize);
+    let (mut node, end) = (scene.knots()[tree] as usize, scene.knots()[tree + 1] as usize);
     let mut best = None;
     let mut squared = MAP_REACH_PX * MAP_REACH_PX;
     while node < end {
-        let hull = scene.points[node];
-        let link = scene.points[node + 1];
+        let hull = scene.points()[node];
+        let link = scene.points()[node + 1];
         let radius = squared.sqrt();
         let (u, v) = (radius * map.extent[0], radius * map.extent[1]);
         let [low_u, low_v] = [map.center[0] - u, map.center[1] - v];
@@ -204,7 +202,7 @@ fn nearest(scene: &PackedScene, f: &FaceRecord, map: &Map) -> Option<Foot> {
         if high_u >= hull[0] && high_v >= hull[1] && low_u <= hull[2] && low_v <= hull[3] {
             if link[1] >= 0.0 {
                 let piece = link[1] as usize;
-                let foot = nearest_on_piece(&scene.points, piece, map, [low_u, low_v, high_u, high_v]);
+                let foot = nearest_on_piece(scene.points(), piece, map, [low_u, low_v, high_u, high_v]);
                 if foot.squared < squared {
                     squared = foot.squared;
                     best = Some(foot);

@@ -36,7 +36,7 @@ mod tape;
 mod tensor;
 
 use crate::layout::{FaceRecord, Parameters, RATIONAL, REVERSED};
-use crate::pack::{PackedFrame, PackedScene};
+use crate::packed::{PackedFrame, PackedScene};
 use basis::Basis;
 use error::{Adjoint, Budget, Error, FLUSH, NEIGHBOUR, OUTPUTS};
 use gbuffer::{Hit, LocalParameters};
@@ -254,7 +254,7 @@ impl Enclosures {
 
 /// Encloses what the fragment program of `scene` may return at a place of a face.
 pub fn enclose(scene: &PackedScene, face: u32, known: &Known, curvature: bool) -> Enclosures {
-    let f = &scene.faces[face as usize];
+    let f = &scene.faces()[face as usize];
     let mut pairs = [None; 4];
     for (at, (k, l)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().enumerate() {
         if let (Some(u), Some(v)) = (known.0[0][k], known.0[1][l]) {
@@ -270,7 +270,7 @@ pub fn enclose(scene: &PackedScene, face: u32, known: &Known, curvature: bool) -
 
 /// The enclosure on one pair of spans.
 fn on_spans<const CAPACITY: usize>(scene: &PackedScene, face: u32, on: [OnSpan; 2], second: bool) -> Enclosure {
-    let f = &scene.faces[face as usize];
+    let f = &scene.faces()[face as usize];
     let unknown = Enclosure { on, position: None, regularity: Regularity::Either, normal: None, curvature: None };
     let [span_u, span_v] = scene.spans(f, on.map(|on| on.span));
     let Some(nu) = Basis::<CAPACITY>::new(&span_u, f.degree_u as usize, &on[0], second) else {
@@ -281,7 +281,7 @@ fn on_spans<const CAPACITY: usize>(scene: &PackedScene, face: u32, on: [OnSpan; 
     };
     let rational = f.flags & RATIONAL != 0;
     let (components, orders) = (if rational { 4 } else { 3 }, if second { 6 } else { 3 });
-    let sums = Sums::new(f, &scene.points, [span_u.first, span_v.first], [&nu, &nv], components, orders);
+    let sums = Sums::new(f, scene.points(), [span_u.first, span_v.first], [&nu, &nv], components, orders);
     let mut tape = Tape::new();
     let mut leaves = [None; 6];
     for order in 0..orders {

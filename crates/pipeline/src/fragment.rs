@@ -1,9 +1,9 @@
 //! The fragment program: from interpolated (u, v) and a face to what the pixel shows. Twin of `shaders/fragment.wgsl`.
 
-use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives, Span};
 use crate::lanes::{Lanes, Vec3};
 use crate::layout::{FaceRecord, Parameters, REVERSED, SEARCHED};
+use crate::packed::PackedScene;
 use nurbs::{MAX_ORDER, NormalStatus};
 
 /// How many fragments the rasterizer evaluates together.
@@ -58,13 +58,13 @@ pub fn fragment(scene: &PackedScene, face: u32, at: Parameters, curvature: bool)
 /// Runs the program for fragments of one face and appends them to `out`. Up to [`WIDTH`] that follow each other on the
 /// same spans go together; the answers are the same, to the bit, however they fall into groups.
 pub fn fragment_row(scene: &PackedScene, face: u32, at: &[Parameters], curvature: bool, out: &mut Vec<Fragment>) {
-    let f = &scene.faces[face as usize];
+    let f = &scene.faces()[face as usize];
     row(scene, f, at, curvature, out, |lane, at, _| lane.fragment(f, face, at));
 }
 
 /// The tangent planes of fragments of one face: the same numbers as in the program, appended to `out`.
 pub fn tangent_planes(scene: &PackedScene, face: u32, at: &[Parameters], out: &mut Vec<TangentPlane>) {
-    let f = &scene.faces[face as usize];
+    let f = &scene.faces()[face as usize];
     let mut k = 0;
     row(scene, f, at, false, out, |lane, found, spans| {
         k += 1;
@@ -74,7 +74,7 @@ pub fn tangent_planes(scene: &PackedScene, face: u32, at: &[Parameters], out: &m
 
 /// One tangent plane.
 pub fn tangent_plane(scene: &PackedScene, face: u32, at: Parameters) -> TangentPlane {
-    let f = &scene.faces[face as usize];
+    let f = &scene.faces()[face as usize];
     let found = found(scene, f, at);
     let spans = scene.spans(f, found.span);
     specialised::<1>(scene, f, &spans, [found.uv], false).lane(0).tangent_plane(found, is_on_skirt(f, at), &spans)
@@ -178,7 +178,7 @@ fn evaluate<const CAPACITY: usize, const N: usize>(
     let [span_u, span_v] = spans;
     let nu: Basis<CAPACITY, N> = eval::basis(span_u.knots, degree[0], u, span_u.gain, second);
     let nv: Basis<CAPACITY, N> = eval::basis(span_v.knots, degree[1], v, span_v.gain, second);
-    let d: Derivatives<N> = eval::surface(f, degree, &scene.points, [span_u.first, span_v.first], &nu, &nv, second);
+    let d: Derivatives<N> = eval::surface(f, degree, scene.points(), [span_u.first, span_v.first], &nu, &nv, second);
     let (n, n_squared, su_squared, sv_squared) = eval::normal_terms(&d);
     let length = n_squared.sqrt();
     let n = n.map(|x| x / length);

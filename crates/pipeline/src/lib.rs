@@ -1,7 +1,7 @@
 //! The f32 side: a packed scene, the proxies that are rasterized, and the program that runs at every fragment.
 //!
 //! `raster` runs [`fragment`] from this crate, `gpu` runs its twin in WGSL ([`wgsl`]); both read the same
-//! [`PackedScene`], [`Proxy`] and [`View`]s, which module `pack` alone narrows from f64.
+//! [`PackedScene`], [`Proxy`] and [`View`]s, which module `packed` alone narrows from f64.
 
 pub mod edge;
 pub mod enclosure;
@@ -11,7 +11,7 @@ mod lanes;
 mod layout;
 pub mod mask;
 pub mod newton;
-mod pack;
+mod packed;
 mod patches;
 mod pieces;
 mod proxy;
@@ -22,7 +22,7 @@ pub mod wgsl;
 
 pub use lanes::Lanes;
 pub use layout::{BOUNDED, FaceRecord, Parameters, PieceRecord, RATIONAL, REVERSED, SEARCHED, Vertex, View};
-pub use pack::{PackError, PackedFrame, PackedScene, Program, Scheme};
+pub use packed::{PackError, PackedFrame, PackedScene, Program, Scheme, TrimMethod, Trims};
 pub use proxy::{Batch, DEFAULT_CHORD_PX, Proxy, ProxyError};
 pub use sight::{Footprint, Sight};
 pub use technique::Technique;

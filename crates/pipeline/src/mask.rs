@@ -20,7 +20,6 @@ pub use fill::MaskFill;
 pub use plan::{MaskError, MaskOptions, MaskPlan, MaskQuality};
 
 use crate::layout::FaceRecord;
-use crate::pack::PackedScene;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec2;
 use std::ops::Range;
@@ -120,9 +119,9 @@ pub(crate) fn placement(tile: &Tile) -> [f32; 10] {
     [u, v, u1, v1, per_u, per_v, x, y, x1, y1]
 }
 
-/// Whether `face` of the scene has material at local parameters, 0 … 1: nearest texel, none outside the box.
-pub(crate) fn is_material(scene: &PackedScene, masks: &Masks, face: &FaceRecord, uv: [f32; 2]) -> bool {
-    let tile: &[f32; 10] = scene.knots[face.trims as usize..].first_chunk().expect("packing put ten numbers there");
+/// Whether `face` of a scene with these knots has material at local parameters, 0 … 1: nearest texel, none outside the box.
+pub(crate) fn is_material(knots: &[f32], masks: &Masks, face: &FaceRecord, uv: [f32; 2]) -> bool {
+    let tile: &[f32; 10] = knots[face.trims as usize..].first_chunk().expect("packing put ten numbers there");
     let inside = |k: usize| uv[k] >= tile[k] && uv[k] <= tile[2 + k];
     if !(inside(0) && inside(1)) {
         return false;

@@ -32,10 +32,10 @@ mod fold;
 
 pub use fold::{ASIDE, QUEUE, SAMPLES, SHORT};
 
-use crate::PackedScene;
 use crate::eval::{self, Basis, Derivatives};
 use crate::lanes::Lanes;
 use crate::layout::{FaceRecord, PieceRecord};
+use crate::packed::PackedScene;
 use crate::sight::{Footprint, NEAR_PX, NEARLY_SINGULAR, Sight, across, dot, is_shown, near_px, plane};
 use fold::Queue;
 use nurbs::MAX_ORDER;
@@ -190,7 +190,7 @@ pub fn solve(scene: &PackedScene, piece: &PieceRecord, sight: &Sight) -> Solutio
     let Some((seeds, nearest_w)) = seeds(piece, sight) else {
         return Solution { outcome: Outcome::Miss, evaluations: 0 };
     };
-    let face = &scene.faces[piece.face as usize];
+    let face = &scene.faces()[piece.face as usize];
     let degree = [face.degree_u, face.degree_v].map(|p| p as usize);
     let problem = Problem { scene, piece, sight, nearest_w, degree, evaluations: Cell::new(0) };
     match degree {
@@ -263,7 +263,7 @@ impl Problem<'_> {
             queue.push(first);
             queue.push(last);
         }
-        let face = &self.scene.faces[self.piece.face as usize];
+        let face = &self.scene.faces()[self.piece.face as usize];
         let given = queue.count;
         let mut before = [f32::MAX; 2];
         let mut restarts = QUEUE..QUEUE;
@@ -366,12 +366,12 @@ impl Problem<'_> {
     fn place<const CAPACITY: usize>(&self, uv: [f32; 2], is_divided: bool) -> Place {
         let &Self { scene, piece, sight, degree, ref evaluations, .. } = self;
         evaluations.set(evaluations.get() + 1);
-        let face = &scene.faces[piece.face as usize];
+        let face = &scene.faces()[piece.face as usize];
         let [span_u, span_v] = scene.spans(face, [piece.span_u, piece.span_v]);
         let nu: Basis<CAPACITY, 1> = eval::basis(span_u.knots, degree[0], Lanes([uv[0]]), 1.0, false);
         let nv: Basis<CAPACITY, 1> = eval::basis(span_v.knots, degree[1], Lanes([uv[1]]), 1.0, false);
         let first = [span_u.first, span_v.first];
-        let d: Derivatives<1> = eval::surface(face, degree, &scene.points, first, &nu, &nv, false);
+        let d: Derivatives<1> = eval::surface(face, degree, scene.points(), first, &nu, &nv, false);
         let [s, su, sv] = [d.s, d.su, d.sv].map(|x| x.map(|x| x.0[0]));
         let extent = extent(piece);
         let w = plane(&sight.w, s);

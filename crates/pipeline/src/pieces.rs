@@ -6,7 +6,7 @@
 
 use crate::layout::PieceRecord;
 use crate::newton::PATIENCE;
-use crate::pack::PackedScene;
+use crate::packed::PackedScene;
 use crate::patches::patches_on;
 use glam::DVec3;
 use nurbs::{BezierPatch, Hull};
@@ -71,7 +71,7 @@ pub(crate) fn pieces_of(
     spans: &[Range<usize>; 2],
     model_units_a_pixel: impl Fn(&Hull) -> f64,
 ) -> Vec<Piece> {
-    let frame = &scene.frames[face];
+    let frame = &scene.frames()[face];
     let spans_v = frame.breaks[1].len() - 1;
     let mut pieces = vec![];
     let numbered = patches_on(spans, spans_v).flat_map(|index| {

@@ -8,7 +8,7 @@ mod grid;
 
 use crate::Technique;
 use crate::layout::{Parameters, PieceRecord, SEARCHED, Vertex};
-use crate::pack::{PackedScene, Program};
+use crate::packed::{PackedScene, Program};
 use crate::patches::spans_of;
 use crate::pieces::{HULL_TRIANGLES, pieces_of};
 use bounds::Bounds;
@@ -121,7 +121,7 @@ impl Proxy {
         let surfaces: Vec<(Bounds, Vec<f64>)> = model.surfaces().par_iter().map(of_surface).collect();
         let of_face = |(id, face): (usize, &Face)| {
             let (bounds, pixels) = &surfaces[face.surface];
-            let spans = spans_of(model.region(FaceId(id as u32)), &scene.frames[id].breaks);
+            let spans = spans_of(model.region(FaceId(id as u32)), &scene.frames()[id].breaks);
             Wanted { bounds, pixels, spans }
         };
         let wanted: Vec<Wanted> = model.faces().iter().enumerate().map(of_face).collect();
@@ -153,7 +153,7 @@ impl Proxy {
                     let pixel = pixels.filter(|pixel| pixel.is_finite()).fold(0.0, f64::max);
                     Skirt { surface: model.surface(face), region, width: (built_px + SKIRT_PX) * pixel }
                 });
-                grids_of_spans(&scene.frames[id].breaks, cells, &wanted[id].spans, skirt.as_ref())
+                grids_of_spans(&scene.frames()[id].breaks, cells, &wanted[id].spans, skirt.as_ref())
             })
             .collect();
         let cells = cells.into_iter().map(Cells::OfSpans).collect();
@@ -196,7 +196,7 @@ impl Proxy {
             grids.par_iter().enumerate().map(|(id, grids)| mesh(model, scene, id, grids)).collect();
         let chord = |(id, cells): (usize, &Cells)| {
             let face = FaceId(id as u32);
-            chord_bounds(bounds[id], model.surface(face), model.region(face), &scene.frames[id], cells)
+            chord_bounds(bounds[id], model.surface(face), model.region(face), &scene.frames()[id], cells)
         };
         let mut proxy = Self {
             vertices: vec![],
@@ -222,7 +222,7 @@ impl Proxy {
                 }
                 base += rows * columns;
             }
-            proxy.batch(scene.programs[id], first);
+            proxy.batch(scene.programs()[id], first);
         }
         Some(proxy)
     }
@@ -252,7 +252,7 @@ impl Proxy {
         }
         let surface = model.surface(face);
         let bounds = Bounds::of(&surface.bezier_patches());
-        self.chord[id] = chord_bounds(&bounds, surface, model.region(face), &scene.frames[id], &self.cells[id]);
+        self.chord[id] = chord_bounds(&bounds, surface, model.region(face), &scene.frames()[id], &self.cells[id]);
     }
 
     /// The hulls of all pieces of all faces, for technique `exact`: no pixel whose centre sees a piece, as `camera` has
@@ -272,7 +272,7 @@ impl Proxy {
             .enumerate()
             .map(|(id, face)| {
                 let region = model.region(FaceId(id as u32));
-                let spans = spans_of(region, &scene.frames[id].breaks);
+                let spans = spans_of(region, &scene.frames()[id].breaks);
                 let mut pieces = pieces_of(scene, id, &of_surface[face.surface], &spans, model_units_a_pixel);
                 if let Some(region) = region {
                     pieces.retain(|piece| may_have_material(region, scene, id, &piece.record));
@@ -288,7 +288,7 @@ impl Proxy {
             vertices: Vec::with_capacity(8 * count),
             indices: Vec::with_capacity(3 * HULL_TRIANGLES.len() * count),
             batches: vec![],
-            chord: scene.frames.iter().map(|frame| vec![0.0; frame.pieces()]).collect(),
+            chord: scene.frames().iter().map(|frame| vec![0.0; frame.pieces()]).collect(),
             built_px: 0.0,
             cells: vec![],
             pieces: Vec::with_capacity(count),
@@ -303,7 +303,7 @@ impl Proxy {
                 proxy.indices.extend(HULL_TRIANGLES.as_flattened().iter().map(|corner| base + corner));
                 proxy.pieces.push(piece.record);
             }
-            proxy.batch(scene.programs[id], first);
+            proxy.batch(scene.programs()[id], first);
         }
         Ok(proxy)
     }
@@ -321,7 +321,7 @@ impl Proxy {
 
 /// Whether a piece of a face meets the box of its region, grown by what f32 may mistake.
 fn may_have_material(region: &Region, scene: &PackedScene, face: usize, piece: &PieceRecord) -> bool {
-    let frame = &scene.frames[face];
+    let frame = &scene.frames()[face];
     let band = frame.edge_band * region.domain().size();
     let hull = region.hull();
     let [u0, v0, u1, v1] = piece.rectangle;
@@ -331,7 +331,7 @@ fn may_have_material(region: &Region, scene: &PackedScene, face: usize, piece: &
 
 /// Faces grouped by their programs.
 fn in_drawing_order(scene: &PackedScene) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..scene.faces.len()).collect();
-    order.sort_by_key(|&id| (scene.programs[id], id));
+    let mut order: Vec<usize> = (0..scene.faces().len()).collect();
+    order.sort_by_key(|&id| (scene.programs()[id], id));
     order
 }

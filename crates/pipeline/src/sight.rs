@@ -9,9 +9,9 @@
 //! a triangle's interpolated (u, v) is. Each face decides by itself; as each goes [`NEAR_PX`] too far, two whose edges
 //! coincide leave no crack between them. Of two that cover one pixel there the nearer is seen, or the one drawn first.
 
-use crate::PackedScene;
 use crate::fragment::{TangentPlane, is_on_skirt, tangent_plane};
 use crate::layout::{BOUNDED, FaceRecord, Parameters, View};
+use crate::packed::PackedScene;
 use crate::trim::{self, Reach};
 
 /// How far beyond its border, natural or trimmed, a face covers a pixel's centre, pixels: two that share an edge to within
@@ -136,13 +136,13 @@ impl Sight {
     pub fn shows(&self, scene: &PackedScene, face: u32, plane: &TangentPlane) -> bool {
         let at = self.footprint(plane);
         !(plane.on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX)
-            && is_shown(scene, &scene.faces[face as usize], &at)
+            && is_shown(scene, &scene.faces()[face as usize], &at)
     }
 
     /// Where a fragment shows its face: at its parameters, but on a skirt at the place of its span that is nearest to the
     /// pixel in the picture, as the tangent plane at the border has it.
     pub fn place(&self, scene: &PackedScene, face: u32, at: Parameters) -> Parameters {
-        let f = &scene.faces[face as usize];
+        let f = &scene.faces()[face as usize];
         if !is_on_skirt(f, at) {
             return at;
         }

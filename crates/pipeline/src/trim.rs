@@ -15,7 +15,7 @@ mod pack;
 
 use crate::layout::FaceRecord;
 use crate::mask;
-use crate::pack::PackedScene;
+use crate::packed::PackedScene;
 
 /// The greatest f32 below 1: parameters at the domain's end are classified as their neighbours inside.
 pub const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -56,8 +56,8 @@ pub fn is_near_material(scene: &PackedScene, face: &FaceRecord, uv: [f32; 2], re
     if face.intervals == 0 {
         return true;
     }
-    if let Some(masks) = &scene.masks {
-        return mask::is_material(scene, masks, face, uv);
+    if let Some(masks) = scene.masks() {
+        return mask::is_material(scene.knots(), masks, face, uv);
     }
     let at = uv.map(|t| t.min(BELOW_ONE));
     let here = side(scene, face, at, reach);
@@ -82,7 +82,7 @@ struct Side {
 /// Finds parameters below 1 among the edges of a face, each moved out of the material as far as `reach` goes.
 fn side(scene: &PackedScene, face: &FaceRecord, at: [f32; 2], reach: &Reach) -> Side {
     let intervals = face.intervals as usize;
-    let trims = &scene.knots[face.trims as usize..][..2 * (intervals + 1)];
+    let trims = &scene.knots()[face.trims as usize..][..2 * (intervals + 1)];
     let (ends, starts) = trims.split_at(intervals + 1);
     if at[1] < ends[0] {
         return Side { material: false, low: f32::MIN, high: ends[0] };
@@ -103,7 +103,7 @@ fn side(scene: &PackedScene, face: &FaceRecord, at: [f32; 2], reach: &Reach) -> 
     while left < right {
         let middle = (left + right) / 2;
         let inward = if (middle - first) % 2 == 0 { 1.0 } else { -1.0 };
-        if passes_left(&scene.points, scene.points[middle], at, reach, inward) {
+        if passes_left(scene.points(), scene.points()[middle], at, reach, inward) {
             left = middle + 1;
         } else {
             right = middle;
@@ -214,9 +214,9 @@ mod tests {
         for name in formats::TRIMMED.iter().map(|(name, _)| name) {
             let model = formats::builtin(name).expect("built in");
             let scene = PackedScene::new(&model, Scheme::General).expect("small");
-            for (index, face) in scene.faces.iter().enumerate() {
+            for (index, face) in scene.faces().iter().enumerate() {
                 let Some(region) = model.region(FaceId(index as u32)) else { continue };
-                let frame = &scene.frames[index];
+                let frame = &scene.frames()[index];
                 let size = region.domain().size();
                 let uv = |t: [f32; 2]| region.domain().min + size * DVec2::from_array(t.map(f64::from));
                 assert!(frame.edge_band.max_element() < 1e-5, "{name}: {}", frame.edge_band);

@@ -4,7 +4,7 @@
 //! what a Rust generic would: capacity, degree, and which outputs are wanted.
 
 use crate::Technique;
-use crate::pack::Program;
+use crate::packed::{Program, TrimMethod};
 use nurbs::MAX_ORDER;
 
 /// Records and bindings.
@@ -78,12 +78,8 @@ pub struct Variant {
     /// Whether shading uses the normal interpolated from the vertices instead of the fragment's own; technique
     /// `exact` has none to interpolate.
     pub interpolated_normal: bool,
-    /// Whether any face is trimmed. Where none is, no fragment is ever discarded, so that hidden ones may be culled early.
-    pub trimmed: bool,
-    /// Whether faces are trimmed by masks ([`crate::mask`]).
-    pub masked: bool,
-    /// Whether fragments look for the trim edge that passes by ([`crate::edge`]); not with masks.
-    pub edges: bool,
+    /// What is done about trims.
+    pub trims: TrimMethod,
 }
 
 /// The source of a variant. Entry points of technique `fragment`: `vertex`, `fragment_gbuffer`, `fragment_shaded`; the
@@ -91,10 +87,10 @@ pub struct Variant {
 /// `resolve_shaded`.
 pub fn source(variant: Variant) -> String {
     let parts = PARTS.iter().filter(|part| part.of.is_none_or(|technique| technique == variant.technique));
-    let text = |part: &Part| match part.text {
-        TRIM if variant.masked => MASK,
-        EDGE if !variant.edges => NO_EDGE,
-        text => text,
+    let text = |part: &Part| match (part.text, variant.trims) {
+        (TRIM, TrimMethod::Masks) => MASK,
+        (EDGE, TrimMethod::Whole | TrimMethod::Curves | TrimMethod::Masks) => NO_EDGE,
+        (text, _) => text,
     };
     parts.fold(prelude(variant), |source, part| source + text(part))
 }
@@ -104,7 +100,8 @@ fn prelude(variant: Variant) -> String {
         Program::General => (MAX_ORDER as u32, "stored".to_owned()),
         Program::Degree(p) => (p + 1, format!("{p}u")),
     };
-    let Variant { curvature, interpolated_normal, trimmed, .. } = variant;
+    let Variant { curvature, interpolated_normal, trims, .. } = variant;
+    let trimmed = trims != TrimMethod::Whole;
     format!(
         "const CAPACITY: u32 = {capacity}u;\n\
          const CURVATURE: bool = {curvature};\n\

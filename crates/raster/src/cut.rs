@@ -82,5 +82,5 @@ fn covers(raster: &Rasterizer, face: u32, plane: &TangentPlane, at: [f32; 2]) ->
 
 /// Whether some fragments of a face may be cut away.
 pub fn is_bounded(raster: &Rasterizer, face: u32) -> bool {
-    raster.drawing.scene.faces[face as usize].flags & BOUNDED != 0
+    raster.drawing.scene.faces()[face as usize].flags & BOUNDED != 0
 }

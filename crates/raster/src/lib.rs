@@ -121,7 +121,7 @@ impl<'a> Rasterizer<'a> {
             })
         });
         let buffer = GBuffer::from_rows(viewport, meta, picture);
-        buffer.with_undecided(unconverged.into_inner()).with_edges(self.drawing.scene.edges)
+        buffer.with_undecided(unconverged.into_inner()).with_edges(self.drawing.scene.has_edges())
     }
 
     /// Prepares to answer single samples.

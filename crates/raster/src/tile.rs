@@ -175,7 +175,7 @@ fn shade(raster: &Rasterizer, rect: Rect, run: &mut Run, hits: &mut [Option<Hit>
 /// What is seen at picture position `at`, with the interpolated normal in place of the fragment's where there is one.
 pub fn hit(raster: &Rasterizer, fragment: &Fragment, at: [f64; 2], interpolated: Option<[f32; 3]>) -> Hit {
     let Rasterizer { drawing, .. } = raster;
-    let edge = if drawing.scene.edges {
+    let edge = if drawing.scene.has_edges() {
         let view = &drawing.views[fragment.face as usize];
         let place = Parameters { span: fragment.span, uv: fragment.uv };
         let whole = drawing.scene.whole(fragment.face, place);

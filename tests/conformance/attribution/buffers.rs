@@ -302,7 +302,7 @@ struct Tolerance {
 }
 
 fn tolerance(stage: &Stage, hit: &Hit) -> Tolerance {
-    let scale = stage.scene.frames[hit.face.0 as usize].scale;
+    let scale = stage.scene.frames()[hit.face.0 as usize].scale;
     let enclosures = stage.enclosures(hit, true);
     let enclosure = enclosures.iter().next().expect("a parameter has a span");
     let widest = |intervals: &[Interval]| intervals.iter().fold(0.0, |w: f64, i| w.max(i.half_width + i.packing));

@@ -31,7 +31,7 @@ impl<'a> Fragments<'a> {
 
     /// Whether the point is farther from every edge than f32 can tell: beyond the band that packing states.
     fn is_clear(&self, point: &FrozenPoint) -> bool {
-        let band = self.scene.frames[self.face.face].edge_band + DVec2::splat(NARROWING);
+        let band = self.scene.frames()[self.face.face].edge_band + DVec2::splat(NARROWING);
         let in_shares = band * self.region.domain().size() / self.face.size;
         is_judged(self.region, point) && point.distance > in_shares.length()
     }
@@ -78,7 +78,7 @@ fn f32_answers(model: &Model, set: &FrozenSet) -> (Vec<String>, usize) {
     let scene = PackedScene::new(model, Scheme::General).expect("it packs");
     gathered(set.faces.par_iter().map(|face| {
         let fragments = Fragments::new(model, &scene, face);
-        let record = &scene.faces[face.face];
+        let record = &scene.faces()[face.face];
         fragments.wrong(face.points.iter().map(|p| is_material(&scene, record, fragments.local(p))))
     }))
 }

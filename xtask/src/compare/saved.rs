@@ -291,17 +291,13 @@ impl Saved {
     /// The model as a candidate's program reads it, its edges in the bands of the masks that it says it has. These are not
     /// drawn, so that a file's claim takes no memory.
     fn as_read(&self, plan: &Plan) -> Result<PackedScene> {
-        let mut scene = PackedScene::new(&self.model, plan.scheme)?;
+        let scene = PackedScene::new(&self.model, plan.scheme)?;
         if let Trimming::Texture(options) = plan.trim
             && let MaskQuality::Error { px } = options.quality
         {
             let options = MaskOptions { memory: u64::MAX, ..options };
             let masks = MaskPlan::new(&self.model, &self.camera, self.viewport, &options)?;
-            for (frame, tile) in scene.frames.iter_mut().zip(&masks.tiles) {
-                if let Some(tile) = tile {
-                    frame.edge_band = tile.band * (px / tile.error_px).min(1.0);
-                }
-            }
+            return Ok(scene.in_bands_of(&masks, px));
         }
         Ok(scene)
     }

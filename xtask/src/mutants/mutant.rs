@@ -2,9 +2,8 @@
 
 use super::operator::{Site, sites};
 use super::scenes::Shown;
-use pipeline::Program;
-use pipeline::Technique;
 use pipeline::wgsl::{self, PARTS, Part, Variant};
+use pipeline::{Program, Technique, TrimMethod};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -114,9 +113,7 @@ impl Mutant {
             program,
             curvature: true,
             interpolated_normal: false,
-            trimmed: true,
-            masked: false,
-            edges: true,
+            trims: TrimMethod::CurvesWithEdges,
         }))
     }
 }
@@ -176,9 +173,7 @@ mod tests {
             program: Program::General,
             curvature: true,
             interpolated_normal: false,
-            trimmed: true,
-            masked: false,
-            edges: true,
+            trims: TrimMethod::CurvesWithEdges,
         };
         for technique in pipeline::Technique::ALL {
             assert!(is_legal(&wgsl::source(variant(technique))));

@@ -166,7 +166,7 @@ impl<'s> Trial<'s> {
     fn wrong_record(&self, fragments: &[Option<Fragment>]) -> Option<String> {
         let scene = &self.stage.scene;
         let is_inside = |f: &Fragment| {
-            let face = scene.faces[f.face as usize];
+            let face = scene.faces()[f.face as usize];
             f.uv.iter().all(|t| (0.0..=1.0).contains(t)) && f.span[0] < face.spans_u && f.span[1] < face.spans_v
         };
         let drawn = || fragments.iter().flatten().filter(|f| is_inside(f));

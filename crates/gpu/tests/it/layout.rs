@@ -7,7 +7,9 @@ use naga::{Expression, Literal, Module, TypeInner};
 use nurbs::NormalStatus;
 use pipeline::eval::{COLLAPSED, PARALLEL};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{BOUNDED, FaceRecord, PieceRecord, Program, RATIONAL, REVERSED, Technique, View, edge, newton, sight};
+use pipeline::{
+    BOUNDED, FaceRecord, PieceRecord, Program, RATIONAL, REVERSED, Technique, TrimMethod, View, edge, newton, sight,
+};
 use std::mem::offset_of;
 
 fn variants() -> Vec<Variant> {
@@ -15,18 +17,9 @@ fn variants() -> Vec<Variant> {
     for program in [Program::General].into_iter().chain((3..=15).step_by(2).map(Program::Degree)) {
         for curvature in [false, true] {
             for interpolated_normal in [false, true] {
-                for (trimmed, masked, edges) in
-                    [(false, false, false), (true, false, false), (true, true, false), (true, false, true)]
-                {
-                    let plain = Variant {
-                        technique: Technique::Fragment,
-                        program,
-                        curvature,
-                        interpolated_normal,
-                        trimmed,
-                        masked,
-                        edges,
-                    };
+                for trims in TrimMethod::ALL {
+                    let plain =
+                        Variant { technique: Technique::Fragment, program, curvature, interpolated_normal, trims };
                     all.extend(Technique::ALL.map(|technique| Variant { technique, ..plain }));
                 }
             }
@@ -160,7 +153,9 @@ fn constants_have_the_same_values() {
     ] {
         assert_eq!(constant(&exact, name), Literal::F32(value), "{name}");
     }
-    let with_edges = parsed(&wgsl::source(variants().into_iter().find(|v| v.edges).unwrap())).unwrap();
+    let with_edges =
+        parsed(&wgsl::source(variants().into_iter().find(|v| v.trims == TrimMethod::CurvesWithEdges).unwrap()))
+            .unwrap();
     for (name, value) in [
         ("EDGE_MAPS", edge::MAPS),
         ("EDGE_CLIP_HALVINGS", edge::CLIP_HALVINGS),

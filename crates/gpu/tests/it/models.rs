@@ -93,7 +93,7 @@ pub fn assorted(seed: u64) -> Model {
 
 /// Places of a face: on any spans, inside and at their ends, and by parameters of the whole domain, at knots and beside them, too.
 pub fn place(random: &mut Random, scene: &PackedScene, face: u32) -> Parameters {
-    let record = &scene.faces[face as usize];
+    let record = &scene.faces()[face as usize];
     if random.below(2) == 0 {
         let span = [record.spans_u, record.spans_v].map(|spans| random.below(spans as usize) as u32);
         let uv = [0, 1].map(|_| if random.below(4) == 0 { random.below(2) as f32 } else { random.unit() as f32 });

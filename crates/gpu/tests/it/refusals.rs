@@ -2,10 +2,12 @@
 
 use crate::models::assorted;
 use crate::software;
+use glam::DVec3;
 use gpu::{Device, GpuError, Overrides, Renderer, RendererOptions, probe};
+use nurbs::{KnotVector, Surface};
 use pipeline::wgsl::{self, Variant};
 use pipeline::{PackedScene, Parameters, Program, Proxy, Scheme};
-use scene::{Camera, Viewport};
+use scene::{Camera, Face, Model, Viewport};
 
 #[test]
 fn an_adapter_that_is_not_there_is_answered_with_those_that_are() {
@@ -18,13 +20,23 @@ fn an_adapter_that_is_not_there_is_answered_with_those_that_are() {
 #[test]
 fn a_scene_above_the_adapters_limit_is_refused_with_the_limit() {
     let device = software();
-    let model = assorted(1);
-    let mut scene = PackedScene::new(&model, Scheme::General).unwrap();
-    let proxy = Proxy::uniform(&model, &scene, 1).unwrap();
-    scene.points = vec![[0.0; 4]; 1 << 24];
+    let small = assorted(1);
+    let scene = PackedScene::new(&small, Scheme::General).unwrap();
+    let proxy = Proxy::uniform(&small, &scene, 1).unwrap();
+    // A terrain of 2¹³ × (2¹⁰ + 1) heights: 16 bytes each are just above 2²⁷.
+    let (rows, columns) = (1 << 13, (1 << 10) + 1);
+    let heights = (0..rows * columns).map(|k| DVec3::new((k / columns) as f64, (k % columns) as f64, 0.0)).collect();
+    let knots = |count: usize| {
+        let inner = (0..count).map(|k| k as f64);
+        KnotVector::new(1, [0.0].into_iter().chain(inner).chain([(count - 1) as f64]).collect()).unwrap()
+    };
+    let surface = Surface::new(knots(rows), knots(columns), heights, None).unwrap();
+    let model = Model::new("terrain".to_owned(), vec![surface], vec![Face::whole(0)]).unwrap();
+    let scene = PackedScene::new(&model, Scheme::General).unwrap();
     let Err(error) = Renderer::new(&device, &scene, &proxy, RendererOptions::default()) else { panic!("it fits") };
     let GpuError::Limit { what, limit, needed, available } = error else { panic!("{error}") };
-    assert_eq!((what, limit, needed), ("control points", "max_storage_buffer_binding_size", 1 << 28));
+    assert_eq!((what, limit), ("control points", "max_storage_buffer_binding_size"));
+    assert_eq!(needed, 16 * (rows * columns) as u64);
     assert!(available < needed);
 }
 

@@ -31,13 +31,13 @@ fn the_program_in_wgsl_gives_the_bits_of_the_program_in_rust() {
         let model = assorted(seed);
         for scheme in [Scheme::General, Scheme::Specialised] {
             let scene = PackedScene::new(&model, scheme).unwrap();
-            let mut programs = scene.programs.clone();
+            let mut programs = scene.programs().to_vec();
             programs.sort();
             programs.dedup();
             for program in programs {
                 let mut random = Random::new(seed);
                 let faces: Vec<u32> =
-                    (0..scene.faces.len() as u32).filter(|&f| scene.programs[f as usize] == program).collect();
+                    (0..scene.faces().len() as u32).filter(|&f| scene.programs()[f as usize] == program).collect();
                 let queries: Vec<(u32, Parameters)> = (0..4000)
                     .map(|_| {
                         let face = faces[random.below(faces.len())];

@@ -1,6 +1,6 @@
 //! A box tree over the pieces of a region at which the face ends.
 
-use crate::pack::PackedScene;
+use crate::packed::Numbers;
 
 /// What stands in place of a leaf's piece in a node that has halves.
 const NO_PIECE: f32 = -1.0;
@@ -13,7 +13,7 @@ pub(crate) struct Leaf {
     pub piece: usize,
 }
 
-impl PackedScene {
+impl Numbers {
     /// Appends a box tree to the points, each node before its halves and followed by all that is under it: its box, then
     /// (index behind all that is under it, index of its piece or −1, 0, 0). To the knots it appends where the tree begins
     /// and where it ends.

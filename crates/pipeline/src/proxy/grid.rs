@@ -1,7 +1,7 @@
 //! The corners of a tessellation: a grid a span, with a skirt where loops bound the face.
 
 use crate::layout::{Parameters, SEARCHED, Vertex};
-use crate::pack::PackedScene;
+use crate::packed::PackedScene;
 use glam::DVec2;
 use nurbs::Surface;
 use scene::{FaceId, Model, Region};
@@ -112,7 +112,7 @@ pub(super) fn mesh(model: &Model, scene: &PackedScene, id: usize, grids: &[Grid]
 /// A vertex of a face.
 pub(super) fn corner(model: &Model, scene: &PackedScene, id: usize, at: Parameters) -> Vertex {
     let surface = model.surface(FaceId(id as u32));
-    let frame = &scene.frames[id];
+    let frame = &scene.frames()[id];
     let border = at.uv.map(|t| t.clamp(0.0, 1.0));
     let (uv, length) = if at.span[0] == SEARCHED {
         let [[u0, u1], [v0, v1]] = surface.domain();

@@ -1,7 +1,7 @@
 //! Regions in f32: intervals, edges and pieces.
 
-use crate::edge::Leaf;
-use crate::pack::{GREATEST_COUNT, PackError, PackedScene};
+use crate::edge::pack::Leaf;
+use crate::packed::{GREATEST_COUNT, Numbers, PackError};
 use glam::{DVec2, DVec3};
 use nurbs::BezierCurve;
 use scene::Region;
@@ -31,14 +31,14 @@ struct Edge {
     ends: [f64; 2],
 }
 
-impl PackedScene {
+impl Numbers {
     /// Appends a region: pieces and edges to the points; to the knots the ends of the intervals, and for each the index of
     /// its first edge, with one more behind the last. Returns where those stand, how many intervals there are, and the band
     /// along the edges in which f32 may take either side, in local parameters.
     ///
-    /// Where the scene is to know of edges, their tree follows in points and knots ([`crate::edge`]).
-    pub(crate) fn push_region(&mut self, region: &Region) -> Result<(u32, u32, DVec2), PackError> {
-        let (pieces, leaves) = self.push_pieces(region);
+    /// Where fragments look for edges, their tree follows in points and knots ([`crate::edge`]).
+    pub(crate) fn push_region(&mut self, region: &Region, edges: bool) -> Result<(u32, u32, DVec2), PackError> {
+        let (pieces, leaves) = self.push_pieces(region, edges);
         let mut ends: Vec<f32> = pieces.iter().flat_map(|piece| [piece.low, piece.high]).collect();
         ends.sort_by(f32::total_cmp);
         ends.dedup();
@@ -90,7 +90,7 @@ impl PackedScene {
             self.knots.extend(ends);
             self.knots.extend(starts.into_iter().map(|start| start as f32));
         }
-        if self.edges {
+        if edges {
             self.push_tree(leaves);
         }
         if intervals == 0 {
@@ -105,11 +105,11 @@ impl PackedScene {
     ///
     /// Of each: (u, v, 1 / Δu, 1 / Δv) of its box; then its homogeneous control points in that box, 0 … 1, times their
     /// binomial coefficients, the first with the degree behind it.
-    fn push_pieces(&mut self, region: &Region) -> (Vec<Rising>, Vec<Leaf>) {
+    fn push_pieces(&mut self, region: &Region, edges: bool) -> (Vec<Rising>, Vec<Leaf>) {
         let (origin, size) = (region.domain().min, region.domain().size());
         let (mut pieces, mut leaves) = (vec![], vec![]);
         for piece in region.pieces() {
-            let is_edge = self.edges && region.is_edge(piece);
+            let is_edge = edges && region.is_edge(piece);
             let local = |c: &DVec3| ((c.truncate() - origin * c.z) / size).extend(c.z);
             let curve =
                 BezierCurve::new(piece.curve.control().iter().map(local).collect()).expect("as legal as before");

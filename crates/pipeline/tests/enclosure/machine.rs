@@ -281,7 +281,7 @@ impl Machine {
 
     /// The program.
     pub fn fragment(&mut self, scene: &PackedScene, face: usize, at: Parameters) -> Returned {
-        let f = &scene.faces[face];
+        let f = &scene.faces()[face];
         let [p, q] = [f.degree_u as usize, f.degree_v as usize];
         let ([u, v], [span_u, span_v]) = (at.uv, scene.spans(f, at.span));
         let late = !self.is_strict() && self.random.coin();
@@ -295,7 +295,9 @@ impl Machine {
                 let first = f.points as usize + (span_u.first + i) * f.count_v as usize + span_v.first;
                 for b in 0..3 {
                     let pairs: [[f32; 2]; MAX_ORDER] =
-                        std::array::from_fn(|j| if j <= q { [nv[b][j], scene.points[first + j][c]] } else { [0.0; 2] });
+                        std::array::from_fn(
+                            |j| if j <= q { [nv[b][j], scene.points()[first + j][c]] } else { [0.0; 2] },
+                        );
                     rows[b][i] = self.sum_pairs(&pairs[..=q]);
                     if b == 1 && late {
                         rows[b][i] = self.multiply(rows[b][i], q as f32 * span_v.gain);

@@ -100,7 +100,7 @@ fn packed(random: &mut Random, model: &Model) -> PackedScene {
 
 /// A place: on any spans, anywhere, at an end, or beside one.
 fn place(random: &mut Random, scene: &PackedScene) -> Parameters {
-    let face = scene.faces[0];
+    let face = scene.faces()[0];
     let span = [face.spans_u, face.spans_v].map(|spans| random.below(spans as usize) as u32);
     let uv = [0, 1].map(|_| {
         let end = random.below(2) as f32;
@@ -236,7 +236,7 @@ fn parameters_that_are_not_known_to_the_bit_allow_both_neighbours() {
         let scene = packed(&mut random, &model);
         let Parameters { span, uv } = place(&mut random, &scene);
         let [u, v] = uv.map(|t| t.clamp(f32::EPSILON, 1.0 - f32::EPSILON));
-        let frame = &scene.frames[0];
+        let frame = &scene.frames()[0];
         let between =
             |span: [u32; 2], uv: [f32; 2]| 0.5 * (frame.uv(span, uv) + frame.uv(span, uv.map(f32::next_down)));
         // In the middle of two f32, or where two spans meet.
@@ -275,7 +275,7 @@ fn the_surface_in_f64_lies_within_the_packing_bound() {
         let mut random = Random(seed);
         let model = model(&mut random);
         let scene = packed(&mut random, &model);
-        let frame = &scene.frames[0];
+        let frame = &scene.frames()[0];
         let surface = &model.surfaces()[0];
         for _ in 0..8 {
             let at = place(&mut random, &scene);
@@ -325,7 +325,7 @@ fn half_widths_are_of_the_size_of_the_errors_seen() {
         // Half-widths and errors of S, the normal, the curvatures.
         let mut seen: [[Vec<f64>; 2]; 3] = Default::default();
         for _ in 0..20_000 {
-            let face = random.below(scene.faces.len()) as u32;
+            let face = random.below(scene.faces().len()) as u32;
             let searched = Parameters::searched([random.unit() as f32, random.unit() as f32]);
             let fragment = fragment(&scene, face, searched, true);
             let at = Parameters { span: fragment.span, uv: fragment.uv };
