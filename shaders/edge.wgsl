@@ -1,6 +1,7 @@
 // Where a trim edge passes by a pixel's centre. Twin of crates/pipeline/src/edge.rs; stands only in programs that look
 // for edges.
 // Names begin with the file's, for there are others like them.
+// Uses layout.wgsl eval.wgsl fragment.wgsl sight.wgsl trim.wgsl
 
 const EDGE_REACH_PX: f32 = 1.0;
 const EDGE_MAP_REACH_PX: f32 = 2.0;

@@ -1,4 +1,5 @@
 // Evaluation of a face: span, basis, surface. Twin of crates/pipeline/src/eval.rs.
+// Uses layout.wgsl
 
 const PARALLEL: f32 = 1.0 / 1048576.0;
 const COLLAPSED: f32 = 1.0 / 1048576.0;

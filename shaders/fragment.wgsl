@@ -1,5 +1,6 @@
 // The fragment program: from a face and interpolated parameters to what the pixel shows.
 // Twin of crates/pipeline/src/fragment.rs.
+// Uses layout.wgsl eval.wgsl
 
 const REGULAR: u32 = 0u;
 const UNDEFINED: u32 = 2u;

@@ -1,4 +1,5 @@
 // The records that the CPU and the GPU read alike. Twin of crates/pipeline/src/layout.rs.
+// Uses shade.wgsl
 
 const RATIONAL: u32 = 1u;
 const REVERSED: u32 = 2u;
@@ -26,16 +27,6 @@ struct View {
     clip_from_local: mat4x4<f32>,
     eye: vec4<f32>,
     units: vec4<f32>,
-}
-
-struct PieceRecord {
-    hull_from_local: array<vec4<f32>, 3>,
-    flat: vec4<f32>,
-    rectangle: vec4<f32>,
-    face: u32,
-    span_u: u32,
-    span_v: u32,
-    patience: u32,
 }
 
 @group(0) @binding(0) var<storage, read> faces: array<FaceRecord>;

@@ -1,7 +1,14 @@
 // Whether a face has material at (u, v), by its mask in the atlas; stands in a program where trim.wgsl does otherwise.
 // Twin of crates/pipeline/src/mask.rs.
+// Uses layout.wgsl
 
 @group(0) @binding(5) var atlas: texture_2d<f32>;
+
+// An ellipse of parameters.
+struct Reach {
+    metric: vec3<f32>,
+    extent: vec2<f32>,
+}
 
 // Of masks, only in the middle.
 fn is_near_material(face: FaceRecord, uv: vec2<f32>, reach: Reach) -> bool {

@@ -1,4 +1,5 @@
 // What is written of the fragment program's answer, whatever the technique.
+// Uses layout.wgsl eval.wgsl fragment.wgsl edge.wgsl shade.wgsl
 
 // Four targets of 16 bytes. All-zero means that nothing was drawn: the face is stored plus one.
 struct GBufferOutput {

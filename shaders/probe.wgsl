@@ -1,4 +1,5 @@
 // The fragment program at given parameters; where these are of the whole domain, whether there is material. Host: crates/gpu/src/probe.rs.
+// Uses layout.wgsl fragment.wgsl trim.wgsl
 
 struct ProbeQuery {
     uv: vec2<f32>,

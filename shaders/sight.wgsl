@@ -1,4 +1,5 @@
 // What a pixel sees of a face: its ray as two planes, and its footprint in the parameters. Twin of crates/pipeline/src/sight.rs.
+// Uses layout.wgsl trim.wgsl
 
 const NEAR_PX: f32 = 1.0 / 256.0;
 const STEEP: f32 = 1.0 / 16.0;
@@ -19,12 +20,6 @@ struct Footprint {
     up: vec2<f32>,
     near_px: f32,
     step_squared: f32,
-}
-
-// An ellipse of parameters.
-struct Reach {
-    metric: vec3<f32>,
-    extent: vec2<f32>,
 }
 
 struct Across {

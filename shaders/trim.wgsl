@@ -1,7 +1,14 @@
 // Whether a face has material at (u, v). Twin of crates/pipeline/src/trim.rs.
+// Uses layout.wgsl
 
 const BELOW_ONE: f32 = 0.99999994;
 const BISECTIONS: u32 = 24u;
+
+// An ellipse of parameters.
+struct Reach {
+    metric: vec3<f32>,
+    extent: vec2<f32>,
+}
 
 fn is_material(face: FaceRecord, uv: vec2<f32>) -> bool {
     return is_near_material(face, uv, Reach());

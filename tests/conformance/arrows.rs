@@ -16,6 +16,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("gpu", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("raycast", &["nurbs", "scene", "gbuffer"]),
     ("compare", &["nurbs", "scene", "gbuffer", "pipeline"]),
+    ("techniques", &["nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
 ];
 
 /// On top of all: these may use any crate.

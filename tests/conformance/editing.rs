@@ -2,8 +2,10 @@
 
 use gbuffer::GBuffer;
 use glam::DVec3;
-use pipeline::{PackedScene, Proxy, Scheme, Technique};
+use pipeline::{PackedScene, Scheme};
 use scene::{Camera, FaceId, Model, Viewport};
+use techniques::Setting;
+use techniques::fragment::Tessellation;
 
 /// The model with a corner of its net's middle pulled up by a tenth of its size.
 fn pulled(model: &Model) -> Model {
@@ -13,12 +15,8 @@ fn pulled(model: &Model) -> Model {
     model.with_surface(0, surface.with_point([2, 2], to).expect("finite"))
 }
 
-fn proxy(technique: Technique, model: &Model, scene: &PackedScene, camera: &Camera, viewport: Viewport) -> Proxy {
-    match technique {
-        Technique::Fragment => Proxy::tessellated(model, scene, camera, viewport, 0.25),
-        Technique::Exact => Proxy::hulls(model, scene, camera, viewport),
-    }
-    .expect("few triangles")
+fn setting<'a>(model: &'a Model, scene: &'a PackedScene, camera: &'a Camera, viewport: Viewport) -> Setting<'a> {
+    Setting { model, scene, camera, viewport, chord_px: 0.25 }
 }
 
 /// What a renderer that was made with the pulled model shows, and what one shows that had to learn of it.
@@ -31,34 +29,25 @@ fn an_edited_renderer_shows_what_a_new_one_shows() {
     let edited = pulled(&model);
     assert_eq!(model.region(FaceId(0)), edited.region(FaceId(0)), "trims are not touched");
     let [before, after] = [&model, &edited].map(|model| PackedScene::new(model, Scheme::Specialised).expect("small"));
-    for technique in Technique::ALL {
-        let was = proxy(technique, &model, &before, &camera, viewport);
-        let is = match technique {
-            Technique::Fragment => {
-                let mut followed = was.clone();
-                followed.follow(&edited, &after, FaceId(0));
-                assert_eq!(followed.indices, was.indices, "nothing is tessellated anew");
-                assert!(followed.chord[0][0] > 0.0 && followed.chord != was.chord);
-                followed
-            }
-            Technique::Exact => proxy(technique, &edited, &after, &camera, viewport),
-        };
+    for &technique in techniques::ALL {
+        let was = technique.prepare(&setting(&model, &before, &camera, viewport)).expect("few triangles");
+        let is = was.edited(&setting(&edited, &after, &camera, viewport), FaceId(0)).expect("few triangles");
         let options = gpu::RendererOptions { curvature: true, ..Default::default() };
         let views = after.views(&edited, &camera, viewport);
         let meta = || gbuffer::Meta::new("gpu", technique.name(), &edited, &camera);
-        let mut renderer = gpu::Renderer::new(&device, &before, &was, options).expect("a renderer");
+        let mut renderer = gpu::Renderer::new(&device, &before, &*was, options).expect("a renderer");
         let old = renderer.gbuffer(&before.views(&model, &camera, viewport), &camera, viewport, meta()).expect("drawn");
-        let bytes = renderer.edit((&before, &was), (&after, &is)).expect("the same layout");
+        let bytes = renderer.edit((&before, &*was), (&after, &*is)).expect("the same layout");
         let learned = renderer.gbuffer(&views, &camera, viewport, meta()).expect("drawn");
-        let mut other = gpu::Renderer::new(&device, &after, &is, options).expect("a renderer");
+        let mut other = gpu::Renderer::new(&device, &after, &*is, options).expect("a renderer");
         let new = other.gbuffer(&views, &camera, viewport, meta()).expect("drawn");
         let hits = |buffer: &GBuffer| buffer.pixels().map(|hit| hit.copied()).collect::<Vec<_>>();
         assert_eq!(hits(&learned), hits(&new), "{technique:?}");
         assert_ne!(hits(&old), hits(&new), "{technique:?}: the edit shows");
         // The trims alone are more numbers than the control points and corners that moved.
-        let all = 16 * after.points().len() + 36 * is.vertices.len() + 96 * is.pieces.len();
+        let all = 16 * after.points().len() + 108 * is.triangles();
         assert!(bytes > 0 && bytes < all as u64, "{technique:?}: {bytes} of {all}");
-        assert_eq!(renderer.edit((&after, &is), (&after, &is)).expect("nothing"), 0);
+        assert_eq!(renderer.edit((&after, &*is), (&after, &*is)).expect("nothing"), 0);
     }
 }
 
@@ -70,11 +59,25 @@ fn an_edit_of_another_layout_is_refused() {
         let model = formats::builtin(name).expect("built in");
         let camera = Camera::framing(&model, viewport);
         let scene = PackedScene::new(&model, Scheme::Specialised).expect("small");
-        let proxy = proxy(Technique::Fragment, &model, &scene, &camera, viewport);
-        (scene, proxy)
+        let prepared = techniques::ALL[0].prepare(&setting(&model, &scene, &camera, viewport)).expect("few triangles");
+        (scene, prepared)
     });
     let [(before, was), (after, is)] = &shots;
-    let mut renderer = gpu::Renderer::new(&device, before, was, Default::default()).expect("a renderer");
-    let refused = renderer.edit((before, was), (after, is));
+    let mut renderer = gpu::Renderer::new(&device, before, &**was, Default::default()).expect("a renderer");
+    let refused = renderer.edit((before, &**was), (after, &**is));
     assert!(matches!(refused, Err(gpu::GpuError::OtherShape { .. })), "{refused:?}");
+}
+
+#[test]
+fn triangles_follow_their_surface_and_know_how_far_they_are_off() {
+    let viewport = Viewport::new(64, 48).expect("a legal size");
+    let model = formats::builtin("plate").expect("built in");
+    let camera = Camera::framing(&model, viewport);
+    let edited = pulled(&model);
+    let [before, after] = [&model, &edited].map(|model| PackedScene::new(model, Scheme::Specialised).expect("small"));
+    let was = Tessellation::new(&model, &before, &camera, viewport, 0.25).expect("few triangles");
+    let mut followed = was.clone();
+    followed.follow(&edited, &after, FaceId(0));
+    assert_eq!(followed.mesh.indices, was.mesh.indices, "nothing is tessellated anew");
+    assert!(followed.chord[0][0] > 0.0 && followed.chord != was.chord);
 }

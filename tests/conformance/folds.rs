@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3};
 use pipeline::Sight;
-use pipeline::Technique;
-use pipeline::newton::{Outcome, solve};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
+use techniques::exact::newton::{Outcome, solve};
+use techniques::exact::{Hulls, PieceRecord};
 use xtask::stage::{Plan, Stage};
 
 /// A model, a view, and a pixel of 512 × 512 at which a search that starts at both ends of the hull ends twice at roots
@@ -32,17 +32,17 @@ fn a_root_beyond_the_fold_hides_those_that_the_first_searches_find() {
             let target = DVec3::new(0.0, 0.0, 0.2);
             Camera::look_at(DVec3::new(1.2, -0.4, 0.1), target, DVec3::Z, projection).expect("legal")
         };
-        let plan = Plan { technique: Technique::Exact, ..Plan::default() };
+        let plan = Plan { technique: &techniques::exact::Exact, ..Plan::default() };
         let stage = Stage::new(&model, camera, viewport, plan).expect("a stage");
         let at = [x as f64 + 0.5, y as f64 + 0.5];
-        let sees = |piece: &pipeline::PieceRecord| {
+        let sees = |piece: &PieceRecord| {
             let sight = Sight::new(&stage.views[piece.face as usize], at.map(|x| x as f32));
             match solve(&stage.scene, piece, &sight).outcome {
                 Outcome::Hit { uv, depth } => Some((depth, [piece.span_u, piece.span_v], uv, piece.face as usize)),
                 Outcome::Miss | Outcome::Unconverged => None,
             }
         };
-        let found = stage.proxy.pieces.iter().filter_map(sees);
+        let found = pieces(&stage).iter().filter_map(sees);
         let (_, span, uv, face) = found.max_by(|a, b| a.0.total_cmp(&b.0)).expect("something is seen");
         let caster = Caster::new(&model);
         let first = caster.all(&camera.ray(viewport, at[0], at[1])).hits[0];
@@ -53,6 +53,12 @@ fn a_root_beyond_the_fold_hides_those_that_the_first_searches_find() {
     }
 }
 
+/// What technique `exact` draws on a stage.
+fn pieces<'s>(stage: &'s Stage) -> &'s [PieceRecord] {
+    let drawn: &dyn gpu::Drawable = &*stage.prepared;
+    &drawn.of::<Hulls>("exact").expect("hulls").pieces
+}
+
 /// A case of `testdata/cases`.
 fn case(name: &str) -> Model {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../testdata/cases");
@@ -61,7 +67,7 @@ fn case(name: &str) -> Model {
 
 /// How many pixels that technique `exact` shows differ from rays.
 fn differing(model: &Model, camera: Camera, viewport: Viewport) -> usize {
-    let plan = Plan { technique: Technique::Exact, ..Plan::default() };
+    let plan = Plan { technique: &techniques::exact::Exact, ..Plan::default() };
     let stage = Stage::new(model, camera, viewport, plan).expect("a stage");
     let caster = Caster::new(model);
     let pair = stage.against_raycast(&caster, &stage.raycast(&caster), &stage.raster()).expect("comparable");
@@ -100,18 +106,19 @@ fn the_kernels_search_as_the_program_in_rust_does() {
     let viewport = Viewport::new(40, 40).expect("a legal size");
     for name in ["torus", "surface", "islands"] {
         let model = formats::builtin(name).expect("built in");
-        let plan = Plan { technique: Technique::Exact, ..Plan::default() };
+        let plan = Plan { technique: &techniques::exact::Exact, ..Plan::default() };
         let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, plan).expect("drawable");
         // A ray that passes by a hull costs nothing, so that it does not matter in which pixels a hull is looked for.
         let expected = |pixel: usize| -> u32 {
             let at = [(pixel % viewport.width()) as f32 + 0.5, (pixel / viewport.width()) as f32 + 0.5];
-            let of_piece = |piece: &pipeline::PieceRecord| {
+            let of_piece = |piece: &PieceRecord| {
                 let sight = Sight::new(&stage.views[piece.face as usize], at);
                 solve(&stage.scene, piece, &sight).evaluations
             };
-            stage.proxy.pieces.iter().map(of_piece).sum()
+            pieces(&stage).iter().map(of_piece).sum()
         };
-        let mut renderer = gpu::Renderer::new(&device, &stage.scene, &stage.proxy, Default::default()).expect("drawn");
+        let mut renderer =
+            gpu::Renderer::new(&device, &stage.scene, &*stage.prepared, Default::default()).expect("drawn");
         let found = renderer.evaluations(&stage.views, viewport).expect("counted");
         let searched = found.iter().filter(|&&count| count > 0).count();
         let off = found.iter().enumerate().filter(|&(pixel, &count)| count != expected(pixel)).count();

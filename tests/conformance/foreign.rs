@@ -277,7 +277,7 @@ fn nothing_that_a_file_says_of_itself_allows_it_more() {
     // Flat triangles are the caller's to allow.
     let triangles = written("triangles", &drawn());
     let saved = Saved::open(&[triangles], None).expect("readable");
-    let exact = Plan { technique: pipeline::Technique::Exact, ..Plan::default() };
+    let exact = Plan { technique: &techniques::exact::Exact, ..Plan::default() };
     let pair = saved.compare(exact, None).expect("comparable").pairs.remove(0);
     assert_eq!(pair.main_cause(), Some(Cause::Interpolation));
 }

@@ -5,7 +5,6 @@ use compare::{CompareError, PairReport, Verdict};
 use gbuffer::{GBuffer, Meta, Picture, ShadeKind, Shading};
 use glam::{DVec2, DVec3, dvec2};
 use nurbs::{KnotVector, Surface};
-use pipeline::Technique;
 use raycast::Caster;
 use scene::{Camera, Face, Loop, Model, Projection, SamplePattern, Trim, Viewport};
 use std::f64::consts::PI;
@@ -156,7 +155,7 @@ fn three_renderers_agree_on_every_sample_of_trimmed_faces() {
     for (name, pattern) in [("window", SamplePattern::Four), ("cusp", SamplePattern::Eight)] {
         let model = formats::builtin(name).expect("built in");
         let caster = Caster::new(&model);
-        for technique in Technique::ALL {
+        for &technique in techniques::ALL {
             let plan = Plan { technique, ..Plan::default() };
             let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, plan).expect("a stage");
             let mut renderer = stage.renderer(&device, gpu::Overrides::default()).expect("the GPU takes it");
@@ -182,7 +181,7 @@ fn a_sample_taken_for_another_is_refused_or_found_and_named() {
     let viewport = Viewport::new(40, 40).expect("legal");
     let model = formats::builtin("window").expect("built in");
     let caster = Caster::new(&model);
-    let plan = Plan { technique: Technique::Exact, ..Plan::default() };
+    let plan = Plan { technique: &techniques::exact::Exact, ..Plan::default() };
     let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, plan).expect("a stage");
     let samples: Vec<Stage> = stage.samples(SamplePattern::Four).collect();
     let buffers: Vec<GBuffer> = samples.iter().map(Stage::raster).collect();

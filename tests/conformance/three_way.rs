@@ -3,7 +3,7 @@
 use compare::{PairReport, Verdict};
 use gbuffer::{ShadeKind, Shading};
 use glam::DVec3;
-use pipeline::{Scheme, Technique};
+use pipeline::Scheme;
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
 use xtask::stage::{Plan, Stage};
@@ -103,7 +103,7 @@ fn three_renderers_agree_on_every_model_from_everywhere() {
 fn technique_exact_agrees_to_a_hundredth_of_a_pixel_from_everywhere() {
     let viewport = Viewport::new(48, 48).expect("a legal size");
     let device = gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`");
-    let plan = Plan { technique: Technique::Exact, ..Plan::default() };
+    let plan = Plan { technique: &techniques::exact::Exact, ..Plan::default() };
     let (mut failures, mut covered, mut unconverged) = (vec![], 0, 0);
     for name in MODELS {
         let model = formats::builtin(name).expect("built in");

@@ -6,11 +6,12 @@ use gbuffer::{GBuffer, Meta, Trims};
 use glam::{DVec2, dvec2};
 use gpu::{Device, MaskBlend, MaskPainter, Overrides};
 use pipeline::mask::{MaskFill, MaskOptions, MaskPlan, MaskQuality, Masks, Tile, Trimming};
-use pipeline::{PackedScene, Scheme, Technique, trim};
+use pipeline::{PackedScene, Scheme, trim};
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Region, Viewport};
 use std::path::PathBuf;
 use std::sync::Arc;
+use techniques::Technique;
 use xtask::compare::Saved;
 use xtask::stage::{OnGpu, Plan, Rendered, Stage};
 
@@ -145,7 +146,7 @@ fn the_area_of_a_mask_converges_to_the_region_s_at_first_order() {
     }
 }
 
-fn staged(model: &Model, technique: Technique, options: MaskOptions) -> Stage<'_> {
+fn staged<'m>(model: &'m Model, technique: &'static dyn Technique, options: MaskOptions) -> Stage<'m> {
     let viewport = Viewport::new(SIDE, SIDE).expect("a legal size");
     let plan = Plan { technique, trim: Trimming::Texture(options), ..Plan::default() };
     Stage::new(model, Camera::framing(model, viewport), viewport, plan).expect("a stage")
@@ -166,7 +167,7 @@ fn three_renderers_agree_on_faces_trimmed_by_masks() {
     for name in ["plate", "islands", "text", "window", "seam-pair"] {
         let model = model(name);
         let caster = Caster::new(&model);
-        for technique in Technique::ALL {
+        for &technique in techniques::ALL {
             for fill in [MaskFill::EvenOdd, MaskFill::Earcut] {
                 let stage = staged(&model, technique, MaskOptions { fill, ..MaskOptions::default() });
                 failures.extend(words(name, technique.name(), &compared(&stage, &device, &caster)));
@@ -180,7 +181,7 @@ fn three_renderers_agree_on_faces_trimmed_by_masks() {
 fn masks_far_too_coarse_for_the_picture_are_judged_by_their_own_error() {
     let model = model("islands");
     let caster = Caster::new(&model);
-    let stage = staged(&model, Technique::Fragment, fixed(24, 2));
+    let stage = staged(&model, &techniques::fragment::Fragment, fixed(24, 2));
     let error = stage.scene.masks().expect("masked").plan.error_px();
     assert!(error > 2.0, "{error} px");
     let pairs = compared(&stage, &device(), &caster);
@@ -191,7 +192,7 @@ fn masks_far_too_coarse_for_the_picture_are_judged_by_their_own_error() {
     );
     // Granted what finer masks are, they are found out.
     let (raycast, raster) = (stage.raycast(&caster), stage.raster());
-    let strict = staged(&model, Technique::Fragment, MaskOptions::default());
+    let strict = staged(&model, &techniques::fragment::Fragment, MaskOptions::default());
     let pair = strict.against_raycast(&caster, &raycast, &raster).expect("comparable");
     assert!(pair.verdict == Verdict::Differ && pair.causes[&Cause::Trim] > 0, "{:?}", pair.causes);
 }
@@ -221,7 +222,7 @@ fn a_loop_left_out_a_wrong_fan_and_a_union_for_parity_are_found_and_named() {
     for name in ["plate", "islands"] {
         let model = model(name);
         let caster = Caster::new(&model);
-        let healthy = staged(&model, Technique::Fragment, MaskOptions::default());
+        let healthy = staged(&model, &techniques::fragment::Fragment, MaskOptions::default());
         let raycast = healthy.raycast(&caster);
         let judged = |stage: &Stage, overrides: Overrides, what: &str| {
             let gpu = stage.gpu(&device, None, overrides).expect("it is drawn").gbuffer;
@@ -232,7 +233,7 @@ fn a_loop_left_out_a_wrong_fan_and_a_union_for_parity_are_found_and_named() {
         judged(&healthy, Overrides { mask: MaskBlend::Union, ..Overrides::default() }, "union");
         let plan = &healthy.scene.masks().expect("masked").plan;
         let faulty = |plan: &MaskPlan| {
-            let mut stage = staged(&model, Technique::Fragment, MaskOptions::default());
+            let mut stage = staged(&model, &techniques::fragment::Fragment, MaskOptions::default());
             let masks = Masks::new(plan.clone(), MaskFill::EvenOdd);
             stage.scene = Arc::new(PackedScene::masked(&model, stage.plan.scheme, masks).expect("small"));
             stage
@@ -261,7 +262,7 @@ fn a_saved_file_says_how_coarse_its_masks_are_and_is_allowed_that_and_no_more_th
         Saved::open(paths, None).and_then(|saved| saved.compare(Plan::default(), masks_px)).map(|found| found.pairs)
     };
     let of_px = |px: f64| MaskOptions { quality: MaskQuality::Error { px }, ..MaskOptions::default() };
-    let coarse = staged(&model, Technique::Exact, of_px(4.0)).raster();
+    let coarse = staged(&model, &techniques::exact::Exact, of_px(4.0)).raster();
     assert_eq!(coarse.meta().trims, Trims::Masks { error_px: 4.0 });
     let path = file("coarse", &coarse);
     assert_eq!(GBuffer::read_npz(&path).expect("readable").meta().trims, Trims::Masks { error_px: 4.0 });
@@ -277,7 +278,7 @@ fn a_saved_file_says_how_coarse_its_masks_are_and_is_allowed_that_and_no_more_th
         let pairs = judged(&[file("lying", &lying)], Some(4.0)).expect("comparable");
         assert!(pairs[0].verdict == Verdict::Differ && pairs[0].causes[&Cause::Trim] > 0, "{trims:?}");
     }
-    let fine = staged(&model, Technique::Fragment, MaskOptions::default()).raster();
+    let fine = staged(&model, &techniques::fragment::Fragment, MaskOptions::default()).raster();
     let gpu = fine.clone().with_meta(Meta { renderer: "gpu".to_owned(), ..fine.meta().clone() });
     let pairs = judged(&[file("fine", &fine), file("gpu", &gpu)], Some(0.5)).expect("comparable");
     assert!(pairs.len() == 3 && pairs.iter().all(|pair| pair.verdict == Verdict::Agree), "{pairs:?}");

@@ -6,10 +6,12 @@
 use anyhow::{Context, Result};
 use gbuffer::{ShadeKind, Shading};
 use glam::DVec3;
-use pipeline::{PackedScene, Proxy, Scheme};
-use scene::{Camera, FaceId, Viewport};
+use pipeline::{PackedScene, Scheme};
+use scene::{Camera, FaceId, Model, Viewport};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
+use std::sync::Arc;
+use techniques::{Prepared, Setting};
 
 /// The control point that is pulled.
 const PULLED: [usize; 2] = [2, 2];
@@ -28,31 +30,29 @@ fn main() -> Result<()> {
     let rest = start.points()[PULLED[0] * columns + PULLED[1]];
     let height = 0.25 * model.hull().diagonal();
     // What each frame shows, and the corners of the first one's triangles moved along.
-    let mut shown = vec![];
+    let mut shown: Vec<(Model, PackedScene, Arc<dyn Prepared>)> = vec![];
     for frame in 0..frames {
         let lift = height * (TAU * frame as f64 / frames as f64).sin();
         let model = model.with_surface(0, start.with_point(PULLED, rest + DVec3::Z * lift)?);
         let scene = PackedScene::new(&model, Scheme::Specialised)?;
-        let proxy = match shown.last() {
-            None => Proxy::tessellated(&model, &scene, &camera, viewport, 0.25)?,
-            Some((_, _, before)) => {
-                let mut proxy = Proxy::clone(before);
-                proxy.follow(&model, &scene, FaceId(0));
-                proxy
-            }
+        let chord_px = techniques::DEFAULT_CHORD_PX;
+        let setting = Setting { model: &model, scene: &scene, camera: &camera, viewport, chord_px };
+        let prepared: Arc<dyn Prepared> = match shown.last() {
+            None => techniques::ALL[0].prepare(&setting)?,
+            Some((_, _, before)) => Prepared::edited(&**before, &setting, FaceId(0))?,
         };
-        shown.push((model, scene, proxy));
+        shown.push((model, scene, prepared));
     }
-    let (_, scene, proxy) = &shown[0];
-    let mut renderer = gpu::Renderer::new(&device, scene, proxy, gpu::RendererOptions::default())?;
-    for (frame, (model, scene, proxy)) in shown.iter().enumerate() {
+    let (_, scene, prepared) = &shown[0];
+    let mut renderer = gpu::Renderer::new(&device, scene, &**prepared, gpu::RendererOptions::default())?;
+    for (frame, (model, scene, prepared)) in shown.iter().enumerate() {
         let (_, before, triangles) = &shown[frame.saturating_sub(1)];
-        let bytes = renderer.edit((before, triangles), (scene, proxy))?;
+        let bytes = renderer.edit((before, &**triangles), (scene, &**prepared))?;
         let shading = Shading::new(ShadeKind::Isophotes).uniform(&camera, model.hull().diagonal());
         let picture = renderer.shaded(&scene.views(model, &camera, viewport), &shading, viewport)?;
         let path = folder.join(format!("frame-{frame:02}.png"));
         picture.write_png(&path)?;
-        println!("{}: {bytes} bytes, {} triangles", path.display(), proxy.triangles());
+        println!("{}: {bytes} bytes, {} triangles", path.display(), prepared.triangles());
     }
     Ok(())
 }

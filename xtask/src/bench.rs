@@ -9,17 +9,20 @@ use crate::{say, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
-use compare::Verdict;
+use compare::{Claims, Verdict};
 use gbuffer::{ShadeKind, Shading};
 use glam::{DQuat, DVec3};
 use pipeline::eval::find_span;
 use pipeline::fragment::{Fragment, fragment_row};
-use pipeline::{DEFAULT_CHORD_PX, PackedScene, Parameters, Proxy, Scheme, Technique, View};
+use pipeline::{PackedScene, Parameters, Scheme, View};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Ray, Viewport};
 use serde::Serialize;
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Instant;
+use techniques::fragment::Tessellation;
+use techniques::{DEFAULT_CHORD_PX, Prepared, Setting, Technique};
 use trimming::Trimming;
 
 /// Kanai's Table 1: a model, cells a face so that the triangles are about his, his frames per second on a GeForce
@@ -111,7 +114,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let models: Vec<(Model, usize, f64)> =
         TABLE_1.iter().map(|&(name, cells, fps)| (formats::builtin(name).expect("built in"), cells, fps)).collect();
     for (model, _, _) in &models {
-        for technique in Technique::ALL {
+        for &technique in techniques::ALL {
             agree(model, device.as_ref(), Plan { technique, ..args.drawing.plan() })?;
         }
     }
@@ -132,13 +135,13 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         Sample::new("ray, grazing, the same", "µs/ray", "≤ 35".to_owned()),
     ];
     let adapter = device.as_ref().map(|d| format!("{} ({} {})", d.info().name, d.info().driver, d.info().driver_info));
-    let drawn = models.iter().flat_map(|of_model| Technique::ALL.map(|technique| (of_model, technique)));
+    let drawn = models.iter().flat_map(|of_model| techniques::ALL.iter().map(move |technique| (of_model, *technique)));
     let mut drawing: Vec<[Sample; 2]> = drawn
         .clone()
         .map(|((model, _, fps), technique)| {
-            let reference = match technique {
-                Technique::Fragment => format!("Kanai, GeForce 7900 GTX: {fps}"),
-                Technique::Exact => "≥ 1/4 of technique fragment".to_owned(),
+            let reference = match technique.claims() {
+                Claims::Chord => format!("Kanai, GeForce 7900 GTX: {fps}"),
+                Claims::OnRay => "≥ 1/4 of technique fragment".to_owned(),
             };
             let what = format!("{} {}x{}, {}", model.name(), args.side, args.side, technique.name());
             ["raster", "gpu"].map(|renderer| Sample::new(format!("{renderer}, {what}"), "frames/s", reference.clone()))
@@ -331,9 +334,9 @@ fn turning(model: &Model, viewport: Viewport, frames: usize, start: f64) -> Vec<
 /// The frames of a turning model, by one technique.
 struct Frames<'a> {
     model: &'a Model,
-    technique: Technique,
+    technique: &'static dyn Technique,
     scene: PackedScene,
-    proxy: Proxy,
+    prepared: Arc<dyn Prepared>,
     cameras: &'a [Camera],
     views: Vec<Vec<View>>,
     viewport: Viewport,
@@ -343,7 +346,7 @@ impl<'a> Frames<'a> {
     /// Frames of a model tessellated into `cells` × `cells` cells a face, or else to the chord error that all commands use.
     fn new(
         model: &'a Model,
-        technique: Technique,
+        technique: &'static dyn Technique,
         scheme: Scheme,
         cells: Option<usize>,
         cameras: &'a [Camera],
@@ -351,30 +354,29 @@ impl<'a> Frames<'a> {
     ) -> Result<Self> {
         let scene = PackedScene::new(model, scheme)?;
         let camera = cameras.first().context("a round has frames")?;
-        let proxy = match (technique, cells) {
-            (Technique::Fragment, Some(cells)) => Proxy::uniform(model, &scene, cells)?,
-            (Technique::Fragment, None) => Proxy::tessellated(model, &scene, camera, viewport, DEFAULT_CHORD_PX)?,
-            (Technique::Exact, _) => Proxy::hulls(model, &scene, camera, viewport)?,
+        let prepared = match (technique.claims(), cells) {
+            (Claims::Chord, Some(cells)) => Arc::new(Tessellation::uniform(model, &scene, cells)?),
+            _ => technique.prepare(&Setting { model, scene: &scene, camera, viewport, chord_px: DEFAULT_CHORD_PX })?,
         };
         let views = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
-        Ok(Self { model, technique, scene, proxy, cameras, views, viewport })
+        Ok(Self { model, technique, scene, prepared, cameras, views, viewport })
     }
 
     /// Frames a second of the rasterizer, which draws the first one alone.
     fn on_cpu(&self) -> f64 {
-        let Self { scene, proxy, viewport, .. } = self;
+        let Self { scene, prepared, viewport, .. } = self;
         let (camera, views) = (&self.cameras[0], &self.views[0]);
         let options = raster::Options { curvature: false, interpolated_normals: false };
         let meta = gbuffer::Meta::new("raster", self.technique.name(), self.model, camera);
         let start = Instant::now();
-        let drawing = raster::Drawing { scene, proxy, views, camera, viewport: *viewport, options };
-        black_box(raster::Rasterizer::new(drawing).render(meta, &|_| {}));
+        let drawing = raster::Drawing { scene, views, camera, viewport: *viewport, options };
+        black_box(raster::Rasterizer::new(drawing, prepared.visibility(drawing)).render(meta, &|_| {}));
         1.0 / start.elapsed().as_secs_f64()
     }
 
     /// Frames a second of the GPU, shaded in the fragment stage.
     fn on_gpu(&self, device: &gpu::Device) -> Result<f64> {
-        let mut renderer = gpu::Renderer::new(device, &self.scene, &self.proxy, gpu::RendererOptions::default())?;
+        let mut renderer = gpu::Renderer::new(device, &self.scene, &*self.prepared, gpu::RendererOptions::default())?;
         let size = self.model.hull().diagonal();
         let shading = Shading::new(ShadeKind::Isophotes).uniform(&self.cameras[0], size);
         Ok(renderer.time_shaded(&self.views, &shading, self.viewport)?.frames_per_second())

@@ -14,16 +14,17 @@ use crate::number;
 use crate::stage::Plan;
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
-use crate::{output, say};
+use crate::{output, say, technique};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use compare::{PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{Picture, ShadeKind, Shading};
 use pictures::Pictures;
-use pipeline::{DEFAULT_CHORD_PX, Scheme, Technique};
-use serde::{Deserialize, Serialize};
+use pipeline::Scheme;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use techniques::{DEFAULT_CHORD_PX, Technique};
 
 /// Render a model by the CPU rasterizer, the GPU and the ray caster, and compare the three; or judge saved G-buffers
 ///
@@ -72,8 +73,8 @@ pub struct CompareArgs {
 #[derive(Debug, Clone, Args)]
 pub struct DrawingArgs {
     /// Where the surface is evaluated
-    #[arg(long, value_enum, default_value = "fragment")]
-    technique: TechniqueName,
+    #[arg(long, value_parser = technique::parser(), default_value = technique::default())]
+    technique: &'static dyn Technique,
     /// Programs of a few specialised degrees, or one for any
     #[arg(long, value_enum, default_value = "specialised")]
     scheme: SchemeName,
@@ -88,24 +89,6 @@ pub struct DrawingArgs {
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-}
-
-/// Where the surface is evaluated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-pub enum TechniqueName {
-    /// A coarse tessellation carries (u, v, face); each fragment evaluates the surface (Kanai 2007)
-    Fragment,
-    /// Hulls of nearly flat pieces; each fragment solves for the point on its pixel's ray
-    Exact,
-}
-
-impl From<TechniqueName> for Technique {
-    fn from(name: TechniqueName) -> Self {
-        match name {
-            TechniqueName::Fragment => Technique::Fragment,
-            TechniqueName::Exact => Technique::Exact,
-        }
-    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -161,7 +144,7 @@ impl DrawingArgs {
             SchemeName::General => Scheme::General,
         };
         Plan {
-            technique: self.technique.into(),
+            technique: self.technique,
             scheme,
             chord_px: self.chord,
             trim: self.trim.trimming(),

@@ -8,10 +8,11 @@ use crate::{output, say, terminal};
 use anyhow::Result;
 use clap::Args;
 use gbuffer::{GBuffer, Picture, ShadeKind, Shading};
-use pipeline::Proxy;
 use raycast::Caster;
 use serde::Serialize;
 use std::path::PathBuf;
+use std::sync::Arc;
+use techniques::fragment::Tessellation;
 
 /// Reproduce Kanai's Fig. 3: isophotes from interpolated vertex normals and from per-fragment normals
 ///
@@ -66,12 +67,12 @@ pub fn run(args: &KanaiArgs) -> Result<()> {
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let mut stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
-    stage.proxy = Proxy::uniform(&model, &stage.scene, usize::from(args.cells))?.into();
+    stage.prepared = Arc::new(Tessellation::uniform(&model, &stage.scene, usize::from(args.cells))?);
     let [vertex, fragment] = buffers(&stage);
     let exact = stage.raycast(&Caster::new(&model));
     let report = Report {
         model: model.name().to_owned(),
-        triangles: stage.proxy.triangles(),
+        triangles: stage.prepared.triangles(),
         vertex_normals: angles(&vertex, &exact),
         fragment_normals: angles(&fragment, &exact),
     };

@@ -22,6 +22,7 @@ pub mod pixel;
 pub mod render;
 pub mod scene;
 pub mod stage;
+pub mod technique;
 pub mod terminal;
 pub mod text;
 pub mod view;

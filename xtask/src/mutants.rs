@@ -9,20 +9,19 @@ pub mod token;
 pub mod trial;
 pub mod worker;
 
-use crate::compare::TechniqueName;
 use crate::format::Format;
 use crate::output;
-use crate::terminal;
+use crate::{technique, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use mutant::{Generated, Mutant, generate};
-use pipeline::Technique;
 use report::{Report, Tried};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
+use techniques::Technique;
 use worker::Worker;
 
 /// Mutants tried at once: each worker's software GPU keeps two cores busy about half of the time.
@@ -38,8 +37,8 @@ const DEFAULT_JOBS: u16 = 2;
 #[derive(Debug, Args)]
 pub struct MutantsArgs {
     /// The technique whose parts are changed; those that both share are changed with `fragment`, and drawn by both
-    #[arg(long, value_enum, default_value = "fragment")]
-    technique: TechniqueName,
+    #[arg(long, value_parser = technique::parser(), default_value = technique::default())]
+    technique: &'static dyn Technique,
     /// Only mutants of this file, or of one line of it, as in eval.wgsl:27; may be given several times
     #[arg(long, value_name = "FILE[:LINE]")]
     at: Vec<String>,
@@ -79,7 +78,7 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let reviewed = record::reviewed()?;
-    let technique = Technique::from(args.technique);
+    let technique = args.technique;
     let Generated { mutants, stillborn } = generate(technique);
     let unknown = report::unknown(&reviewed, &mutants, technique);
     let mut chosen = if args.at.is_empty() { mutants.clone() } else { at_places(&mutants, &args.at)? };

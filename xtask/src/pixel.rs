@@ -130,7 +130,8 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Resu
     });
     row("chord bound, px", &|hit| {
         let depth = stage.camera.depth(hit.position).max(f64::MIN_POSITIVE);
-        let chord = stage.proxy.chord[hit.face.0 as usize].iter().fold(0.0, |most: f64, chord| most.max(*chord));
+        let chord = stage.prepared.chord().get(hit.face.0 as usize).into_iter().flatten();
+        let chord = chord.fold(0.0, |most: f64, chord| most.max(*chord));
         format!("{:.6}", chord * stage.camera.pixels_per_unit(stage.viewport, depth))
     });
     terminal::table(&table)

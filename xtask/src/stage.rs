@@ -6,12 +6,13 @@ use compare::{Deviation, Interpolation, Judge, PairReport, PixelVerdict, Sampler
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, Trims, shade_tolerant};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval, enclose};
 use pipeline::mask::{MaskPlan, MaskQuality, Masks, Trimming};
-use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, Technique, View};
+use pipeline::{PackedScene, Scheme, View};
 use raster::{Drawing, PointSampler, Rasterizer};
 use raycast::Caster;
 use scene::{Camera, Model, SamplePattern, Viewport};
 use serde::Serialize;
 use std::sync::Arc;
+use techniques::{DEFAULT_CHORD_PX, Prepared, Setting, Technique};
 
 /// A colour shaded on the GPU may differ from that of its own G-buffer by this much in a channel: one step of
 /// rounding to 8 bits on either side.
@@ -28,7 +29,7 @@ const COARSER_ROUNDING: f64 = 1.0 + 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
     /// Where the surface is evaluated.
-    pub technique: Technique,
+    pub technique: &'static dyn Technique,
     /// Which programs evaluate it.
     pub scheme: Scheme,
     /// Chord error of a tessellation, pixels.
@@ -44,7 +45,7 @@ pub struct Plan {
 impl Default for Plan {
     fn default() -> Self {
         Self {
-            technique: Technique::default(),
+            technique: techniques::ALL[0],
             scheme: Scheme::default(),
             chord_px: DEFAULT_CHORD_PX,
             trim: Trimming::default(),
@@ -88,8 +89,8 @@ pub struct Stage<'m> {
     pub plan: Plan,
     /// The faces in f32; shared by the stages of a picture's samples.
     pub scene: Arc<PackedScene>,
-    /// Their triangles; shared alike.
-    pub proxy: Arc<Proxy>,
+    /// What the technique draws of them; shared alike.
+    pub prepared: Arc<dyn Prepared>,
     /// How the camera sees each face.
     pub views: Vec<View>,
     /// How accurately its parameters are interpolated over them.
@@ -186,19 +187,17 @@ impl<'m> Stage<'m> {
     /// Where the model cannot be packed or the chord error asks for too many triangles.
     pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, plan: Plan) -> Result<Self> {
         let scene = Arc::new(plan.packed(model, &camera, viewport)?);
-        let proxy = Arc::new(match plan.technique {
-            Technique::Fragment => Proxy::tessellated(model, &scene, &camera, viewport, plan.chord_px)?,
-            Technique::Exact => Proxy::hulls(model, &scene, &camera, viewport)?,
-        });
-        if proxy.built_px > plan.chord_px {
-            let (asked, kept, triangles) = (plan.chord_px, proxy.built_px, proxy.triangles());
+        let setting = Setting { model, scene: &scene, camera: &camera, viewport, chord_px: plan.chord_px };
+        let prepared = plan.technique.prepare(&setting)?;
+        if let Some(kept) = prepared.built_px().filter(|kept| *kept > plan.chord_px) {
+            let (asked, triangles) = (plan.chord_px, prepared.triangles());
             terminal::note(format_args!(
                 "note: a chord error of {asked} px takes too many triangles from here; {triangles} keep to {kept} px"
             ));
         }
         let views = scene.views(model, &camera, viewport);
         let interpolation = Interpolation::of(model);
-        Ok(Self { model, camera, viewport, plan, scene, proxy, views, interpolation })
+        Ok(Self { model, camera, viewport, plan, scene, prepared, views, interpolation })
     }
 
     /// A stage a sample of `pattern`, in its order. Scene, masks and triangles are those of this stage: a pixel's size at a
@@ -207,7 +206,7 @@ impl<'m> Stage<'m> {
         pattern.cameras(&self.camera, self.viewport).into_iter().map(|camera| Stage {
             camera,
             scene: self.scene.clone(),
-            proxy: self.proxy.clone(),
+            prepared: self.prepared.clone(),
             views: self.scene.views(self.model, &camera, self.viewport),
             interpolation: self.interpolation.clone(),
             ..*self
@@ -216,8 +215,9 @@ impl<'m> Stage<'m> {
 
     /// The rasterizer of this stage.
     pub fn rasterizer(&self, options: raster::Options) -> Rasterizer<'_> {
-        let Self { scene, proxy, views, camera, viewport, .. } = self;
-        Rasterizer::new(Drawing { scene, proxy, views, camera, viewport: *viewport, options })
+        let Self { scene, views, camera, viewport, .. } = self;
+        let drawing = Drawing { scene, views, camera, viewport: *viewport, options };
+        Rasterizer::new(drawing, self.prepared.visibility(drawing))
     }
 
     /// The facts that go with a buffer of this stage.
@@ -272,7 +272,7 @@ impl<'m> Stage<'m> {
         overrides: gpu::Overrides<'_>,
     ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
         let options = gpu::RendererOptions { curvature: true, interpolated_normals: false, overrides };
-        gpu::Renderer::new(device, &self.scene, &self.proxy, options)
+        gpu::Renderer::new(device, &self.scene, &*self.prepared, options)
     }
 
     /// What [`Self::gpu`] returns, by a renderer of this stage or of the one whose sample it is.
@@ -372,14 +372,11 @@ impl<'m> Stage<'m> {
 
     /// The allowance against the surface itself, or between two renderers of the same triangles.
     fn deviation(&self, exact: bool) -> Deviation {
-        let asked_px = self.plan.chord_px;
-        let chord = &self.proxy.chord;
-        let solved = || Deviation::exact().with_unanswered();
-        let deviation = match (self.plan.technique, exact) {
-            (Technique::Fragment, true) => Deviation::of_proxy(&self.interpolation, chord, asked_px),
-            (Technique::Fragment, false) => Deviation::of_same_proxy(&self.interpolation, chord, asked_px),
-            (Technique::Exact, true) => solved(),
-            (Technique::Exact, false) => solved().either(&solved()),
+        let (claims, chord, asked_px) = (self.plan.technique.claims(), self.prepared.chord(), self.plan.chord_px);
+        let deviation = if exact {
+            Deviation::against_surface(claims, &self.interpolation, chord, asked_px)
+        } else {
+            Deviation::between_twins(claims, &self.interpolation, chord, asked_px)
         };
         match &self.scene.masks() {
             None => deviation,

@@ -25,7 +25,7 @@ fn twelve_mutants_drawn_by_chance_are_all_caught() {
 #[test]
 fn a_mutant_that_computes_the_same_survives_by_its_written_reason_alone() {
     // Turning e2 round changes signs that are squared.
-    let line = pipeline::wgsl::EVAL.lines().position(|line| line.contains("let e2 = cross(n, e1);"));
+    let line = pipeline::wgsl::EVAL.text.lines().position(|line| line.contains("let e2 = cross(n, e1);"));
     let place = format!("eval.wgsl:{}", line.expect("the line is there") + 1);
     let output = mutants(&["--at", &place]);
     let report = json(&output);

@@ -65,6 +65,25 @@ impl Interpolation {
     }
 }
 
+/// What a renderer says its pixels show, which a comparison holds it to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Claims {
+    /// A point of a flat triangle on the pixel's ray, with S at its parameters off by the chord at most.
+    Chord,
+    /// The point on the ray itself, or in a few pixels no answer.
+    OnRay,
+}
+
+impl Claims {
+    /// The share of covered pixels in which a renderer of this program may end without an answer, and say so.
+    pub fn unanswered_share(self) -> f64 {
+        match self {
+            Self::Chord => 0.0,
+            Self::OnRay => UNANSWERED_SHARE,
+        }
+    }
+}
+
 /// The allowance of a pair of renderers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deviation {
@@ -162,9 +181,24 @@ impl Deviation {
         }
     }
 
-    /// The same for a renderer of this program, whose search may end without an answer in a few pixels and then says so.
-    pub fn with_unanswered(self) -> Self {
-        Self { unanswered_share: UNANSWERED_SHARE, ..self }
+    /// A renderer of this program against the surface itself, by what its technique claims; as of [`Self::of_proxy`].
+    pub fn against_surface(claims: Claims, interpolation: &Interpolation, chord: &[Vec<f64>], asked_px: f64) -> Self {
+        let unanswered_share = claims.unanswered_share();
+        match claims {
+            Claims::Chord => Self::of_proxy(interpolation, chord, asked_px),
+            Claims::OnRay => Self { unanswered_share, ..Self::exact() },
+        }
+    }
+
+    /// Two renderers of this program against each other, alike.
+    pub fn between_twins(claims: Claims, interpolation: &Interpolation, chord: &[Vec<f64>], asked_px: f64) -> Self {
+        match claims {
+            Claims::Chord => Self::of_same_proxy(interpolation, chord, asked_px),
+            Claims::OnRay => {
+                let one = Self::against_surface(claims, interpolation, chord, asked_px);
+                one.either(&one)
+            }
+        }
     }
 
     /// What two renderers may differ by, each of which has an allowance of its own against the surface.

@@ -23,7 +23,7 @@ mod unbounded;
 pub use attribution::NEARLY;
 pub use cause::Cause;
 pub use deviation::{
-    ATTRIBUTE_ULPS, Deviation, EDGE_PX, EXACT_MULTIPLE, EXACT_PX, Interpolation, SNAP_PX, TRIANGLES_MULTIPLE,
+    ATTRIBUTE_ULPS, Claims, Deviation, EDGE_PX, EXACT_MULTIPLE, EXACT_PX, Interpolation, SNAP_PX, TRIANGLES_MULTIPLE,
     UNANSWERED_SHARE,
 };
 pub use error::CompareError;

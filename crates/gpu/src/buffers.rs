@@ -1,10 +1,10 @@
-//! What is uploaded once: the packed scene and its proxy. Views and shading are written anew each frame.
+//! What is uploaded once: the packed scene. Views and shading are written anew each frame.
 
 use crate::masks::{MaskBlend, MaskPainter};
 use crate::{Device, GpuError};
 use gbuffer::ShadeUniform;
 use pipeline::mask::Masks;
-use pipeline::{Batch, PackedScene, Proxy, Vertex, View};
+use pipeline::{PackedScene, View};
 use wgpu::{BufferUsages, ShaderStages};
 
 /// Bytes that are compared at once where an edit is uploaded; records and vertices are whole numbers of them.
@@ -16,9 +16,11 @@ const UPLOADING: &str = "uploading the scene";
 const STORAGE_BINDINGS: [&str; 4] = ["faces", "views", "knots", "control points"];
 
 /// The scene's numbers on the device.
-pub(crate) struct SceneBuffers {
-    pub(crate) layout: wgpu::BindGroupLayout,
-    pub(crate) group: wgpu::BindGroup,
+pub struct SceneBuffers {
+    /// Of group 0 of every program.
+    pub layout: wgpu::BindGroupLayout,
+    /// That group.
+    pub group: wgpu::BindGroup,
     /// As [`STORAGE_BINDINGS`].
     storage: [wgpu::Buffer; 4],
     shading: wgpu::Buffer,
@@ -113,55 +115,9 @@ impl SceneBuffers {
     }
 }
 
-/// The triangles on the device.
-pub(crate) struct ProxyBuffers {
-    vertices: wgpu::Buffer,
-    indices: wgpu::Buffer,
-    pub(crate) batches: Vec<Batch>,
-}
-
-impl ProxyBuffers {
-    pub(crate) fn new(device: &Device, proxy: &Proxy) -> Result<Self, GpuError> {
-        Ok(Self {
-            vertices: device.buffer("proxy vertices", BufferUsages::VERTEX, bytemuck::cast_slice(&proxy.vertices))?,
-            indices: device.buffer("proxy indices", BufferUsages::INDEX, bytemuck::cast_slice(&proxy.indices))?,
-            batches: proxy.batches.clone(),
-        })
-    }
-
-    /// Uploads the corners that differ between two proxies of the same triangles, and says how many bytes that is.
-    pub(crate) fn write_changes(&self, device: &Device, before: &Proxy, after: &Proxy) -> Result<u64, GpuError> {
-        let [before, after] = [before, after].map(|proxy| bytemuck::cast_slice(&proxy.vertices));
-        device.write_changes("proxy vertices", &self.vertices, before, after)
-    }
-
-    pub(crate) fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_vertex_buffer(0, self.vertices.slice(..));
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-    }
-}
-
-/// Attributes of a [`Vertex`], by location of `VertexInput` in `shaders/entry.wgsl`.
-pub(crate) const ATTRIBUTES: [wgpu::VertexAttribute; 5] =
-    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Uint32, 3 => Uint32x2, 4 => Float32x3];
-
-/// Vertices as the device fetches them.
-pub(crate) fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
-    wgpu::VertexBufferLayout {
-        array_stride: size_of::<Vertex>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &ATTRIBUTES,
-    }
-}
-
 impl Device {
     /// A buffer that holds `bytes`; an empty one has room for a few, since WebGPU binds no empty buffers.
-    pub(crate) fn buffer(
-        &self,
-        what: &'static str,
-        usage: BufferUsages,
-        bytes: &[u8],
-    ) -> Result<wgpu::Buffer, GpuError> {
+    pub fn buffer(&self, what: &'static str, usage: BufferUsages, bytes: &[u8]) -> Result<wgpu::Buffer, GpuError> {
         let size = (bytes.len() as u64).max(size_of::<View>() as u64);
         self.fits(what, "max_buffer_size", size, self.limits.max_buffer_size)?;
         self.guarded(UPLOADING, || {
@@ -179,7 +135,7 @@ impl Device {
 
     /// Uploads the runs of words in which `after` differs from `before`, which the buffer holds, and says how many bytes
     /// that is.
-    pub(crate) fn write_changes(
+    pub fn write_changes(
         &self,
         what: &'static str,
         buffer: &wgpu::Buffer,
@@ -203,7 +159,7 @@ impl Device {
     }
 
     /// A storage buffer of zeros that only the device writes.
-    pub(crate) fn empty(&self, what: &'static str, size: u64) -> Result<wgpu::Buffer, GpuError> {
+    pub fn empty(&self, what: &'static str, size: u64) -> Result<wgpu::Buffer, GpuError> {
         let limit = self.limits.max_storage_buffer_binding_size;
         self.fits(what, "max_storage_buffer_binding_size", size, limit)?;
         self.fits(what, "max_buffer_size", size, self.limits.max_buffer_size)?;
@@ -218,14 +174,14 @@ impl Device {
     }
 
     /// A storage buffer that holds `bytes` and can be copied from.
-    pub(crate) fn storage(&self, what: &'static str, bytes: &[u8]) -> Result<wgpu::Buffer, GpuError> {
+    pub fn storage(&self, what: &'static str, bytes: &[u8]) -> Result<wgpu::Buffer, GpuError> {
         let limit = self.limits.max_storage_buffer_binding_size;
         self.fits(what, "max_storage_buffer_binding_size", bytes.len() as u64, limit)?;
         self.buffer(what, BufferUsages::STORAGE | BufferUsages::COPY_SRC, bytes)
     }
 
     /// A group of whole buffers at bindings 0, 1, 2 …
-    pub(crate) fn group<'b>(
+    pub fn group<'b>(
         &self,
         label: &str,
         layout: &wgpu::BindGroupLayout,
@@ -236,26 +192,5 @@ impl Device {
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
         self.wgpu.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::mem::offset_of;
-
-    #[test]
-    fn attributes_stand_where_the_vertex_has_them() {
-        let offsets = ATTRIBUTES.map(|a| a.offset as usize);
-        let expected = [
-            offset_of!(Vertex, position),
-            offset_of!(Vertex, uv),
-            offset_of!(Vertex, face),
-            offset_of!(Vertex, span),
-            offset_of!(Vertex, normal),
-        ];
-        assert_eq!(offsets, expected);
-        let end = ATTRIBUTES.map(|a| a.offset + a.format.size()).into_iter().max();
-        assert_eq!(end, Some(size_of::<Vertex>() as u64));
     }
 }

@@ -102,9 +102,12 @@ fn choose<T>(mut adapters: Vec<(AdapterInfo, T)>, name: Option<&str>) -> Result<
 #[derive(Debug)]
 pub struct Device {
     info: AdapterInfo,
-    pub(crate) wgpu: wgpu::Device,
-    pub(crate) queue: wgpu::Queue,
-    pub(crate) limits: wgpu::Limits,
+    /// The device itself; calls to it go through [`Self::guarded`].
+    pub wgpu: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// The limits that it was opened with.
+    pub limits: wgpu::Limits,
     /// Why the device was lost, once it was.
     lost: Arc<Mutex<Option<String>>>,
     /// An error that reached no scope.
@@ -167,18 +170,12 @@ impl Device {
     }
 
     /// Nothing where `needed` is within the limit.
-    pub(crate) fn fits(
-        &self,
-        what: &'static str,
-        limit: &'static str,
-        needed: u64,
-        available: u64,
-    ) -> Result<(), GpuError> {
+    pub fn fits(&self, what: &'static str, limit: &'static str, needed: u64, available: u64) -> Result<(), GpuError> {
         if needed <= available { Ok(()) } else { Err(GpuError::Limit { what, limit, needed, available }) }
     }
 
     /// Runs calls to wgpu and returns what they return, or the first error that any of them raised.
-    pub(crate) fn guarded<T>(&self, during: &'static str, calls: impl FnOnce() -> T) -> Result<T, GpuError> {
+    pub fn guarded<T>(&self, during: &'static str, calls: impl FnOnce() -> T) -> Result<T, GpuError> {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let scopes = [Validation, OutOfMemory, Internal].map(|filter| self.wgpu.push_error_scope(filter));
         let result = calls();
@@ -203,7 +200,7 @@ impl Device {
     }
 
     /// Nothing while the device lives and no error has gone astray.
-    pub(crate) fn alive(&self, during: &'static str) -> Result<(), GpuError> {
+    pub fn alive(&self, during: &'static str) -> Result<(), GpuError> {
         if let Some(reason) = &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
             return Err(GpuError::Lost { during, reason: reason.clone() });
         }
@@ -214,7 +211,7 @@ impl Device {
     }
 
     /// Submits commands and returns their place in the queue.
-    pub(crate) fn submit(
+    pub fn submit(
         &self,
         during: &'static str,
         encoder: wgpu::CommandEncoder,
@@ -223,11 +220,7 @@ impl Device {
     }
 
     /// Waits until a submission, or the latest one, is done.
-    pub(crate) fn wait(
-        &self,
-        during: &'static str,
-        submission_index: Option<wgpu::SubmissionIndex>,
-    ) -> Result<(), GpuError> {
+    pub fn wait(&self, during: &'static str, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), GpuError> {
         let polled = self.poll(wgpu::PollType::Wait { submission_index, timeout: Some(GREATEST_WAIT) });
         self.alive(during)?;
         match polled {

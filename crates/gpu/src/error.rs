@@ -80,13 +80,19 @@ pub enum GpuError {
         /// How long was waited.
         limit: Duration,
     },
-    /// A proxy of another technique than that for which a renderer was made.
-    #[error("the renderer draws by technique {expected}, the proxy is of technique {found}")]
+    /// Something drawn by another technique than that for which a renderer was made.
+    #[error("the renderer draws by technique {expected}, and is given what {found} draws")]
     Technique {
         /// Name of the renderer's technique.
         expected: &'static str,
-        /// Name of the proxy's.
+        /// Name of the other.
         found: &'static str,
+    },
+    /// A question about the search of a technique that has none.
+    #[error("technique {technique} searches for nothing")]
+    NothingSearched {
+        /// Its name.
+        technique: &'static str,
     },
     /// An edit that changes how much there is of something, which needs a new renderer.
     #[error("an edit makes {found} bytes of {what} where there are {expected}; make a new renderer")]

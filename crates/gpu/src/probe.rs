@@ -2,17 +2,17 @@
 
 use crate::buffers::SceneBuffers;
 use crate::masks::MaskBlend;
-use crate::pass::as_shader_error;
+use crate::modules::as_shader_error;
 use crate::readback::Record;
 use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
 use pipeline::fragment::Fragment;
-use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, Parameters, Program, Technique, TrimMethod};
+use pipeline::wgsl::{self, Part, Variant};
+use pipeline::{PackedScene, Parameters, Program, TrimMethod};
 use wgpu::{BufferBindingType, ShaderStages};
 
-/// The compute entry point `probe`, to stand behind any [`wgsl::source`].
-pub const PROBE: &str = include_str!("../../../shaders/probe.wgsl");
+/// The compute entry point `probe`.
+pub const PROBE: &[Part] = &[Part { file: "probe.wgsl", text: include_str!("../../../shaders/probe.wgsl") }];
 
 /// Queries answered in one dispatch: WebGPU promises 65,535 workgroups, and a workgroup answers 64.
 const GREATEST_DISPATCH: usize = 65_535 * WORKGROUP;
@@ -85,14 +85,9 @@ fn answers(
     if let Some(index) = queries.iter().position(|&(face, _)| !of_program(face)) {
         return Err(GpuError::ProbeFace { index, face: queries[index].0, program: format!("{program:?}") });
     }
-    let variant = Variant {
-        technique: Technique::Fragment,
-        program,
-        curvature: true,
-        interpolated_normal: false,
-        trims: TrimMethod::Curves,
-    };
-    let module = device.module(program, wgsl::source(variant) + PROBE)?;
+    let variant =
+        Variant { parts: PROBE, program, curvature: true, interpolated_normal: false, trims: TrimMethod::Curves };
+    let module = device.module(program, wgsl::source(variant))?;
     let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, MaskBlend::default())?;
     let (pipeline, layout) = device
         .guarded(PROBING, || {
@@ -175,13 +170,13 @@ mod tests {
     #[test]
     fn queries_and_answers_have_the_layout_of_the_shader() {
         let variant = Variant {
-            technique: Technique::Fragment,
+            parts: PROBE,
             program: Program::General,
             curvature: true,
             interpolated_normal: false,
             trims: TrimMethod::Curves,
         };
-        let module = naga::front::wgsl::parse_str(&(wgsl::source(variant) + PROBE)).unwrap();
+        let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();
         let members = |name: &str| {
             let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap().1;
             let TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };

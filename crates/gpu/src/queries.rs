@@ -10,10 +10,11 @@ pub(crate) struct Queries {
 
 /// The two timestamps of one frame.
 #[derive(Clone, Copy)]
-pub(crate) struct Stamps<'a> {
-    pub(crate) set: &'a wgpu::QuerySet,
+pub struct Stamps<'a> {
+    /// Where they are written.
+    pub set: &'a wgpu::QuerySet,
     /// Index of that of its start; that of its end is the next.
-    pub(crate) start: u32,
+    pub start: u32,
 }
 
 impl Queries {

@@ -207,7 +207,10 @@ impl Device {
     }
 
     /// The bytes from `offset` on of a buffer that the device wrote.
-    pub(crate) fn read_buffer(
+    ///
+    /// # Errors
+    /// Where they cannot be copied.
+    pub fn read_buffer(
         &self,
         during: &'static str,
         buffer: &wgpu::Buffer,

@@ -87,39 +87,17 @@ pub struct View {
     pub units: [f32; 4],
 }
 
-/// A Bézier piece of a face, on which technique `exact` looks for the point that a pixel sees. 96 bytes.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct PieceRecord {
-    /// Rows that take p − c, local, to the coordinates of the piece's hull, −1 … 1 in each; behind each row a coordinate
-    /// of the hull's centre c.
-    pub hull_from_local: [[f32; 4]; 3],
-    /// Parameters at the hull's centre, then what they gain along its first two coordinates: the piece as if it were flat.
-    pub flat: [f32; 4],
-    /// The piece's parameters, local to its spans: u from, v from, u to, v to.
-    pub rectangle: [f32; 4],
-    /// The face.
-    pub face: u32,
-    /// Its span in u.
-    pub span_u: u32,
-    /// Its span in v.
-    pub span_v: u32,
-    /// How many steps that promise little a search on it takes before it gives up: 0, but where the piece is far from
-    /// flat in its parameters.
-    pub patience: u32,
-}
-
-/// A corner of a proxy triangle. 44 bytes.
+/// A corner of a triangle of a mesh. 44 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
     /// S(u, v), or a hull's corner, in the face's local coordinates.
     pub position: [f32; 3],
-    /// [`Parameters::uv`], beyond 0 … 1 at the corner of a skirt; zeros at a hull's corner.
+    /// [`Parameters::uv`], beyond 0 … 1 at the corner of a skirt; zeros where a technique has none.
     pub uv: [f32; 2],
     /// The face.
     pub face: u32,
-    /// [`Parameters::span`]; zeros at a hull's corner.
+    /// [`Parameters::span`]; zeros where a technique has none.
     pub span: [u32; 2],
     /// Unit normal of the surface there (zero where it has none, and at a hull's corner), for interpolated
     /// shading only.
@@ -135,6 +113,5 @@ mod tests {
         assert_eq!(size_of::<FaceRecord>(), 48);
         assert_eq!(size_of::<View>(), 96);
         assert_eq!(size_of::<Vertex>(), 44);
-        assert_eq!(size_of::<PieceRecord>(), 96);
     }
 }

@@ -34,10 +34,14 @@ pub const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
 /// A pixel's ray as planes in a face's local coordinates: offsets times w in x (right) and y (up), z, and w.
 #[derive(Debug, Clone, Copy)]
 pub struct Sight {
-    pub(crate) x: [f32; 4],
-    pub(crate) y: [f32; 4],
-    pub(crate) z: [f32; 4],
-    pub(crate) w: [f32; 4],
+    /// Offset to the right, times w.
+    pub x: [f32; 4],
+    /// Offset up, times w.
+    pub y: [f32; 4],
+    /// z.
+    pub z: [f32; 4],
+    /// w.
+    pub w: [f32; 4],
 }
 
 /// A pixel's centre in the parameters of a face, on the tangent plane.
@@ -99,7 +103,7 @@ impl Sight {
 
     /// Derivatives of (x, y, z) / w, which have `value`, along a derivative of S; last, of w. All of them times w.
     #[inline(always)]
-    pub(crate) fn along(&self, value: [f32; 3], derivative: [f32; 3]) -> [f32; 4] {
+    pub fn along(&self, value: [f32; 3], derivative: [f32; 3]) -> [f32; 4] {
         let of = |p: &[f32; 4]| dot([p[0], p[1], p[2]], derivative);
         let slope = of(&self.w);
         // Of a quotient: what is left of the plane's own slope is that of w, seen at the value.
@@ -109,7 +113,7 @@ impl Sight {
 
     /// Pixels to a local unit across the ray, squared, where w is that of S.
     #[inline(always)]
-    pub(crate) fn squared_pixels(&self, w: f32) -> f32 {
+    pub fn squared_pixels(&self, w: f32) -> f32 {
         let right = [self.x[0], self.x[1], self.x[2]];
         dot(right, right) / (w * w)
     }
@@ -171,7 +175,7 @@ pub fn is_shown(scene: &PackedScene, face: &FaceRecord, footprint: &Footprint) -
 /// What two parameters gain along a pixel to the right, and along one up, where their own gains move by `a` and `b`
 /// pixels; zeros where these are nearly parallel.
 #[inline(always)]
-pub(crate) fn across(a: [f32; 2], b: [f32; 2]) -> ([f32; 2], [f32; 2]) {
+pub fn across(a: [f32; 2], b: [f32; 2]) -> ([f32; 2], [f32; 2]) {
     let det = a[0] * b[1] - a[1] * b[0];
     let squares = a[0] * a[0] + a[1] * a[1] + (b[0] * b[0] + b[1] * b[1]);
     if det.abs() > NEARLY_SINGULAR * squares {
@@ -184,19 +188,20 @@ pub(crate) fn across(a: [f32; 2], b: [f32; 2]) -> ([f32; 2], [f32; 2]) {
 /// How far beyond its border a face covers a pixel where its parameters' gains move by `a` and `b` pixels, and would move by
 /// the square root of `sides_squared`, the one times the other, seen at a right angle.
 #[inline(always)]
-pub(crate) fn near_px(a: [f32; 2], b: [f32; 2], sides_squared: f32) -> f32 {
+pub fn near_px(a: [f32; 2], b: [f32; 2], sides_squared: f32) -> f32 {
     let det = (a[0] * b[1] - a[1] * b[0]).abs();
     let steep = STEEP * sides_squared.sqrt();
     if det < steep { NEAR_PX * (det / steep) } else { NEAR_PX }
 }
 
+/// The scalar product, summed in order.
 #[inline(always)]
-pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// A plane's value at a point.
 #[inline(always)]
-pub(crate) fn plane(p: &[f32; 4], at: [f32; 3]) -> f32 {
+pub fn plane(p: &[f32; 4], at: [f32; 3]) -> f32 {
     p[0] * at[0] + p[1] * at[1] + p[2] * at[2] + p[3]
 }

@@ -6,11 +6,13 @@ use gbuffer::{GBuffer, Meta};
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, Surface};
 use pipeline::fragment::fragment_row;
-use pipeline::{DEFAULT_CHORD_PX, PackedScene, Parameters, Proxy, Scheme};
+use pipeline::{PackedScene, Parameters, Scheme};
 use raster::{Drawing, Options, Rasterizer};
 use scene::{Camera, Model, Projection, Viewport};
 use std::hint::black_box;
 use std::time::Instant;
+use techniques::fragment::Tessellation;
+use techniques::{DEFAULT_CHORD_PX, Prepared};
 
 /// A clamped uniform bicubic sheet of `nu` × `nv` control points over a unit square, waves on it, weights not all one.
 fn sheet(nu: usize, nv: usize, corner: DVec2, side: f64) -> Surface {
@@ -80,11 +82,11 @@ fn main() {
         let camera = camera.unwrap_or_else(|| Camera::framing(model, viewport));
         let scene = PackedScene::new(model, Scheme::Specialised).expect("packs");
         let views = scene.views(model, &camera, viewport);
-        let proxy = Proxy::tessellated(model, &scene, &camera, viewport, DEFAULT_CHORD_PX).expect("fits");
+        let triangles = Tessellation::new(model, &scene, &camera, viewport, DEFAULT_CHORD_PX).expect("fits");
         let options = Options::default();
-        let drawing = Drawing { scene: &scene, proxy: &proxy, views: &views, camera: &camera, viewport, options };
+        let drawing = Drawing { scene: &scene, views: &views, camera: &camera, viewport, options };
         let meta = Meta::new("raster", "fragment", model, &camera);
-        let frame = || Rasterizer::new(drawing).render(meta.clone(), &|_| {});
+        let frame = || Rasterizer::new(drawing, triangles.visibility(drawing)).render(meta.clone(), &|_| {});
         let picture = frame();
         for threads in [1, rayon::current_num_threads()] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
@@ -96,7 +98,7 @@ fn main() {
             println!(
                 "{}, {width}×{height}{filled}, {} triangles, {} pixels seen, {threads} threads: {:.2} ms a frame, {:.0} ns a seen pixel",
                 model.name(),
-                proxy.triangles(),
+                triangles.triangles(),
                 picture.covered(),
                 seconds * 1e3,
                 seconds * 1e9 / picture.covered() as f64

@@ -1,6 +1,7 @@
 //! Which triangles may touch which square of the picture.
 
-use crate::rect::Rect;
+use crate::geometry::Geometry;
+use crate::rect::{Rect, TILE};
 use rayon::prelude::*;
 use scene::Viewport;
 
@@ -16,10 +17,35 @@ pub struct Bins {
 /// Triangles that are binned by one task.
 const CHUNK: usize = 1 << 12;
 
+/// Side of a square of triangles that are looked through for one sample, pixels.
+const SIDE_OF_SAMPLES: usize = 8;
+
 impl Bins {
+    /// The triangles that may cover the centre of any pixel of each tile.
+    pub fn of_tiles(geometry: &Geometry, viewport: Viewport) -> Self {
+        Self::new(viewport, TILE, geometry.triangles(), |i, add| geometry.boxes(i, add))
+    }
+
+    /// The triangles that may cover any position of a square, wherever a sample stands in its pixel.
+    pub fn of_samples(geometry: &Geometry, viewport: Viewport) -> Self {
+        Self::new(viewport, SIDE_OF_SAMPLES, geometry.triangles(), |i, add| {
+            geometry.ids(i, |id| {
+                let corners = geometry.corners(id);
+                let side = |axis: usize| {
+                    let values = corners.map(|c| c.position[axis]);
+                    let [low, high] = [f32::min, f32::max].map(|pick| values.into_iter().reduce(pick));
+                    // A pixel of margin holds what snapping, moving and narrowing to whole pixels can do.
+                    [low.expect("three corners") as i32 - 1, high.expect("three corners") as i32 + 2]
+                };
+                let ([left, right], [top, bottom]) = (side(0), side(1));
+                add(id, Rect { left, top, right, bottom });
+            });
+        })
+    }
+
     /// Sorts triangles into squares of `side` pixels. `boxes` calls its last argument with the id and the pixels of every
     /// piece of triangle `i < count`, in drawing order; what lies outside the viewport is left out.
-    pub fn new(
+    fn new(
         viewport: Viewport,
         side: usize,
         count: usize,

@@ -1,9 +1,6 @@
 //! The depth test over one tile, and who is seen in each of its pixels.
 
-use crate::rect::Rect;
-
-/// Side of a tile, pixels.
-pub const TILE: usize = 64;
+use crate::rect::{Rect, TILE};
 
 /// Marks a pixel that nothing covers.
 const NOBODY: u32 = u32::MAX;

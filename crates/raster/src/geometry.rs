@@ -1,22 +1,22 @@
 //! Triangles after the vertex stage and clipping.
 
-use crate::Drawing;
 use crate::clip::{self, ClipVertex};
 use crate::rect::Rect;
 use crate::setup::covered_bounds;
 use crate::vertex::{Corner, Screen, clip_position};
-use pipeline::Vertex;
+use pipeline::{Mesh, Vertex, View};
 use rayon::prelude::*;
+use scene::Viewport;
 
 /// Corners in the picture, and the pieces of triangles that had to be clipped.
 ///
-/// Triangle `id` below the proxy's count is the proxy's own; from there on ids count pieces.
+///
+/// Triangle `id` below the mesh's count is the mesh's own; from there on ids count pieces.
 #[derive(Debug)]
-pub struct Geometry {
-    /// One a vertex of the proxy; `None` where it is outside the clip volume or the guard band.
+pub struct Geometry<'a> {
+    mesh: &'a Mesh,
+    /// One a vertex of the mesh; `None` where it is outside the clip volume or the guard band.
     corners: Vec<Option<Corner>>,
-    /// Number of triangles of the proxy.
-    triangles: usize,
     /// Pieces, in drawing order.
     pieces: Vec<Piece>,
 }
@@ -41,13 +41,12 @@ struct Piece {
     attributes: Attributes,
 }
 
-impl Geometry {
+impl<'a> Geometry<'a> {
     /// Runs the vertex stage on every vertex, and clips what needs it.
-    pub fn new(drawing: &Drawing) -> Self {
-        let screen = Screen::new(drawing.viewport);
-        let clip_of = |v: &Vertex| clip_position(&drawing.views[v.face as usize], v.position);
-        let corners: Vec<Option<Corner>> = drawing
-            .proxy
+    pub fn new(mesh: &'a Mesh, views: &[View], viewport: Viewport) -> Self {
+        let screen = Screen::new(viewport);
+        let clip_of = |v: &Vertex| clip_position(&views[v.face as usize], v.position);
+        let corners: Vec<Option<Corner>> = mesh
             .vertices
             .par_iter()
             .map(|v| {
@@ -55,14 +54,13 @@ impl Geometry {
                 if clip::is_inside(clip) { screen.corner(clip) } else { None }
             })
             .collect();
-        let pieces: Vec<Piece> = drawing
-            .proxy
+        let pieces: Vec<Piece> = mesh
             .indices
             .par_chunks_exact(3)
             .enumerate()
             .filter(|(_, t)| t.iter().any(|&i| corners[i as usize].is_none()))
             .flat_map_iter(|(source, t)| {
-                let vertices = [t[0], t[1], t[2]].map(|i| &drawing.proxy.vertices[i as usize]);
+                let vertices = [t[0], t[1], t[2]].map(|i| &mesh.vertices[i as usize]);
                 let polygon = clip::clip(vertices.map(|v| ClipVertex { clip: clip_of(v), uv: v.uv, normal: v.normal }));
                 let Vertex { face, span, .. } = *vertices[0];
                 let fan = (1..polygon.len().saturating_sub(1)).map(move |i| [polygon[0], polygon[i], polygon[i + 1]]);
@@ -73,62 +71,67 @@ impl Geometry {
                 })
             })
             .collect();
-        Self { corners, triangles: drawing.proxy.triangles(), pieces }
+        Self { mesh, corners, pieces }
     }
 
-    /// Number of triangles of the proxy.
+    /// Number of triangles of the mesh.
     pub fn triangles(&self) -> usize {
-        self.triangles
+        self.mesh.triangles()
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
     }
 
     /// Calls `add` with the ids of triangle `i` or of its pieces.
-    pub fn ids(&self, drawing: &Drawing, i: usize, mut add: impl FnMut(u32)) {
-        if vertices(drawing, i).iter().all(|&v| self.corners[v].is_some()) {
+    pub fn ids(&self, i: usize, mut add: impl FnMut(u32)) {
+        if self.vertices(i).iter().all(|&v| self.corners[v].is_some()) {
             add(i as u32);
         } else {
             let first = self.pieces.partition_point(|p| (p.source as usize) < i);
             let pieces = self.pieces[first..].iter().take_while(|p| p.source as usize == i).count();
-            (first..first + pieces).for_each(|p| add((self.triangles + p) as u32));
+            (first..first + pieces).for_each(|p| add((self.triangles() + p) as u32));
         }
     }
 
     /// Calls `add` with the id and the box of every part of triangle `i` that covers any sample.
-    pub fn boxes(&self, drawing: &Drawing, i: usize, add: &mut dyn FnMut(u32, Rect)) {
-        self.ids(drawing, i, |id| {
-            if let Some(rect) = covered_bounds(&self.corners(drawing, id)) {
+    pub fn boxes(&self, i: usize, add: &mut dyn FnMut(u32, Rect)) {
+        self.ids(i, |id| {
+            if let Some(rect) = covered_bounds(&self.corners(id)) {
                 add(id, rect);
             }
         });
     }
 
     /// The corners of a triangle or piece whose id came from [`Self::ids`].
-    pub fn corners(&self, drawing: &Drawing, id: u32) -> [Corner; 3] {
-        match (id as usize).checked_sub(self.triangles) {
+    pub fn corners(&self, id: u32) -> [Corner; 3] {
+        match (id as usize).checked_sub(self.triangles()) {
             Some(piece) => self.pieces[piece].corners,
-            None => vertices(drawing, id as usize).map(|v| self.corners[v].expect("ids names no outside corners")),
+            None => self.vertices(id as usize).map(|v| self.corners[v].expect("ids names no outside corners")),
         }
     }
 
     /// Index of the first vertex of a triangle, or of the one that a piece was cut from.
-    pub fn first_vertex(&self, drawing: &Drawing, id: u32) -> u32 {
-        let triangle = (id as usize).checked_sub(self.triangles).map_or(id, |piece| self.pieces[piece].source);
-        drawing.proxy.indices[3 * triangle as usize]
+    pub fn first_vertex(&self, id: u32) -> u32 {
+        let triangle = (id as usize).checked_sub(self.triangles()).map_or(id, |piece| self.pieces[piece].source);
+        self.mesh.indices[3 * triangle as usize]
     }
 
     /// What it carries.
-    pub fn attributes(&self, drawing: &Drawing, id: u32) -> Attributes {
-        match (id as usize).checked_sub(self.triangles) {
+    pub fn attributes(&self, id: u32) -> Attributes {
+        match (id as usize).checked_sub(self.triangles()) {
             Some(piece) => self.pieces[piece].attributes,
             None => {
-                let v = vertices(drawing, id as usize).map(|v| &drawing.proxy.vertices[v]);
+                let v = self.vertices(id as usize).map(|v| &self.mesh.vertices[v]);
                 Attributes { face: v[0].face, span: v[0].span, uv: v.map(|v| v.uv), normal: v.map(|v| v.normal) }
             }
         }
     }
-}
 
-/// Indices of the vertices of a proxy's triangle.
-fn vertices(drawing: &Drawing, triangle: usize) -> [usize; 3] {
-    let t = &drawing.proxy.indices[3 * triangle..3 * triangle + 3];
-    [t[0], t[1], t[2]].map(|i| i as usize)
+    /// Indices of the vertices of a mesh's triangle.
+    fn vertices(&self, triangle: usize) -> [usize; 3] {
+        let t = &self.mesh.indices[3 * triangle..3 * triangle + 3];
+        [t[0], t[1], t[2]].map(|i| i as usize)
+    }
 }

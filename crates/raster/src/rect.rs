@@ -1,5 +1,8 @@
 //! Rectangles of pixels: tiles, bins, and the bounds of triangles.
 
+/// Side of a tile, pixels.
+pub const TILE: usize = 64;
+
 /// A half-open rectangle of pixels; empty where it ends before it starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rect {
@@ -22,6 +25,12 @@ impl Rect {
             right: self.right.min(other.right),
             bottom: self.bottom.min(other.bottom),
         }
+    }
+
+    /// The pixel (x, y) of the picture that has a place, row × [`TILE`] + column, in the tile of this rectangle.
+    #[inline]
+    pub fn position(self, place: u16) -> (i32, i32) {
+        (self.left + i32::from(place) % TILE as i32, self.top + i32::from(place) / TILE as i32)
     }
 
     /// Whether it holds no pixel.

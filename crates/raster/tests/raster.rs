@@ -3,13 +3,15 @@
 use gbuffer::{GBuffer, Hit, Meta};
 use glam::{DMat3, DVec2, DVec3};
 use nurbs::{KnotVector, Surface};
-use pipeline::{DEFAULT_CHORD_PX, PackedScene, Proxy, Scheme, View};
+use pipeline::{PackedScene, Scheme, View};
 use raster::clip::{ClipVertex, clip};
 use raster::setup::Triangle;
 use raster::vertex::{Screen, clip_position};
 use raster::{Drawing, Options, Rasterizer};
 use scene::{Camera, Model, Projection, Ray, Viewport};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use techniques::fragment::Tessellation;
+use techniques::{DEFAULT_CHORD_PX, Prepared};
 
 /// A flat parallelogram with linear parameters.
 #[derive(Clone, Copy)]
@@ -37,7 +39,7 @@ impl Plate {
 struct Setting {
     model: Model,
     scene: PackedScene,
-    proxy: Proxy,
+    triangles: Tessellation,
     views: Vec<View>,
     camera: Camera,
     viewport: Viewport,
@@ -49,16 +51,17 @@ impl Setting {
         let viewport = Viewport::new(size[0], size[1]).unwrap();
         let scene = PackedScene::new(&model, Scheme::Specialised).unwrap();
         let views = scene.views(&model, &camera, viewport);
-        let proxy = match cells {
-            Some(cells) => Proxy::uniform(&model, &scene, cells).unwrap(),
-            None => Proxy::tessellated(&model, &scene, &camera, viewport, DEFAULT_CHORD_PX).unwrap(),
+        let triangles = match cells {
+            Some(cells) => Tessellation::uniform(&model, &scene, cells).unwrap(),
+            None => Tessellation::new(&model, &scene, &camera, viewport, DEFAULT_CHORD_PX).unwrap(),
         };
-        Self { model, scene, proxy, views, camera, viewport }
+        Self { model, scene, triangles, views, camera, viewport }
     }
 
     fn raster(&self, options: Options) -> Rasterizer<'_> {
-        let Self { scene, proxy, views, camera, viewport, .. } = self;
-        Rasterizer::new(Drawing { scene, proxy, views, camera, viewport: *viewport, options })
+        let Self { scene, triangles, views, camera, viewport, .. } = self;
+        let drawing = Drawing { scene, views, camera, viewport: *viewport, options };
+        Rasterizer::new(drawing, triangles.visibility(drawing))
     }
 
     fn meta(&self) -> Meta {
@@ -137,7 +140,7 @@ fn interpolation_is_perspective_correct_and_affine_would_not_be() {
 
     // The same corners with equal w: linear in the picture. It is wrong by many pixels.
     let screen = Screen::new(setting.viewport);
-    let vertices = [0, 1, 2].map(|i| setting.proxy.vertices[setting.proxy.indices[i] as usize]);
+    let vertices = [0, 1, 2].map(|i| setting.triangles.mesh.vertices[setting.triangles.mesh.indices[i] as usize]);
     let mut corners = vertices.map(|v| screen.corner(clip_position(&setting.views[0], v.position)).unwrap());
     let middle = |axis: usize| corners.iter().map(|c| c.position[axis]).sum::<f32>() / 3.0;
     let (x, y) = (middle(0) as i32, middle(1) as i32);

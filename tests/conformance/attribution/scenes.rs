@@ -4,9 +4,10 @@ use compare::PairReport;
 use gbuffer::{GBuffer, Hit};
 use glam::DVec3;
 use nurbs::{KnotVector, Surface};
-use pipeline::Proxy;
 use raycast::Caster;
 use scene::{Camera, Face, Model, Projection, Viewport};
+use std::sync::Arc;
+use techniques::fragment::Tessellation;
 use xtask::stage::{Plan, Stage};
 
 const SIDE: usize = 64;
@@ -83,7 +84,7 @@ impl Shown {
         let plan = Plan { chord_px: 0.5, ..Plan::default() };
         let mut stage = Stage::new(&self.model, self.camera, viewport(), plan).expect("a stage");
         if let Some(cells) = self.cells {
-            stage.proxy = Proxy::uniform(&self.model, &stage.scene, cells).expect("few triangles").into();
+            stage.prepared = Arc::new(Tessellation::uniform(&self.model, &stage.scene, cells).expect("few triangles"));
         }
         stage
     }

@@ -4,9 +4,9 @@ use super::field;
 use compare::{PairReport, UNBOUNDED_SHARE, Unbounded, Verdict};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
-use pipeline::Technique;
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
+use techniques::Technique;
 use xtask::conform::wrong::wrong;
 use xtask::stage::{Plan, Stage};
 
@@ -19,7 +19,7 @@ fn viewport() -> Viewport {
     Viewport::new(96, 72).expect("a legal size")
 }
 
-fn plan(technique: Technique) -> Plan {
+fn plan(technique: &'static dyn Technique) -> Plan {
     Plan { technique, ..Plan::default() }
 }
 
@@ -48,7 +48,7 @@ fn is_kept(stage: &Stage, raycast: &GBuffer, shown: &GBuffer, limit_px: f64) -> 
 }
 
 /// The judge's answer for the CPU's picture, which must be sound: counts add up, and no pixel agrees over a loose bound.
-fn judged(model: &Model, camera: Camera, technique: Technique, name: &str) -> PairReport {
+fn judged(model: &Model, camera: Camera, technique: &'static dyn Technique, name: &str) -> PairReport {
     let stage = Stage::new(model, camera, viewport(), plan(technique)).expect("a stage");
     let caster = Caster::new(model);
     let (raycast, raster) = (stage.raycast(&caster), stage.raster());
@@ -97,7 +97,7 @@ fn narrow_spans_large_weights_and_wide_amplitudes_agree_only_within_their_bound(
     for name in names {
         let model = model(name);
         let camera = Camera::framing(&model, viewport());
-        for technique in Technique::ALL {
+        for &technique in techniques::ALL {
             judged(&model, camera, technique, &format!("{name}, {}", technique.name()));
         }
     }
@@ -107,7 +107,7 @@ fn narrow_spans_large_weights_and_wide_amplitudes_agree_only_within_their_bound(
 fn close_ups_agree_only_within_their_bound_and_never_when_shifted() {
     let model = model("46-close-up");
     for distance in [0.3, 0.03, 0.003, 0.0003] {
-        judged(&model, near(&model, distance), Technique::Fragment, &format!("at {distance}"));
+        judged(&model, near(&model, distance), &techniques::fragment::Fragment, &format!("at {distance}"));
     }
 }
 
@@ -153,7 +153,7 @@ fn a_pair_that_shows_nothing_has_no_verdict_and_ends_no_other() {
 fn parameters_that_f64_cannot_hold_are_counted_and_are_no_difference() {
     let model = model("49-domain-1e+09-0.00100005");
     let camera = Camera::framing(&model, viewport());
-    let stage = Stage::new(&model, camera, viewport(), plan(Technique::Exact)).expect("a stage");
+    let stage = Stage::new(&model, camera, viewport(), plan(&techniques::exact::Exact)).expect("a stage");
     let caster = Caster::new(&model);
     let raycast = stage.raycast(&caster);
     let of_domain = |(x, y)| raycast.get(x, y).map(|hit| Hit { local: None, ..*hit });
@@ -179,7 +179,7 @@ fn a_pixel_beyond_a_slanted_border_shows_the_nearest_place_of_it() {
     let camera = Camera::look_at(eye, target, DVec3::Z, projection).expect("a legal camera");
     let viewport = Viewport::new(192, 144).expect("a legal size");
     let caster = Caster::new(&model);
-    for technique in Technique::ALL {
+    for &technique in techniques::ALL {
         let stage = Stage::new(&model, camera, viewport, plan(technique)).expect("a stage");
         let raycast = stage.raycast(&caster);
         let pair = stage.against_raycast(&caster, &raycast, &stage.raster()).expect("comparable");

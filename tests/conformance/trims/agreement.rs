@@ -3,9 +3,10 @@
 use super::frozen;
 use compare::{Cause, PairReport, Verdict};
 use glam::DVec3;
-use pipeline::{PackedScene, Technique};
+use pipeline::PackedScene;
 use raycast::Caster;
 use scene::{Camera, Face, Model, Projection, Viewport};
+use techniques::Technique;
 use xtask::stage::{Plan, Rendered, Stage};
 
 /// Side of the pictures, pixels.
@@ -23,16 +24,21 @@ fn cameras(model: &Model, viewport: Viewport) -> [Camera; 2] {
 
 /// What the pairs say of a model by a technique from each camera. One renderer draws both views: compiling is most of the
 /// work of a software GPU.
-fn differing(device: &gpu::Device, model: &Model, technique: Technique, viewport: Viewport) -> Vec<String> {
+fn differing(
+    device: &gpu::Device,
+    model: &Model,
+    technique: &'static dyn Technique,
+    viewport: Viewport,
+) -> Vec<String> {
     let caster = Caster::new(model);
     let plan = Plan { technique, ..Plan::default() };
     let stages = cameras(model, viewport).map(|camera| Stage::new(model, camera, viewport, plan).expect("a stage"));
     let options = gpu::RendererOptions { curvature: true, ..Default::default() };
     let first = &stages[0];
-    let mut renderer = gpu::Renderer::new(device, &first.scene, &first.proxy, options).expect("the GPU takes it");
+    let mut renderer = gpu::Renderer::new(device, &first.scene, &*first.prepared, options).expect("the GPU takes it");
     let mut found = vec![];
     for (view, stage) in stages.iter().enumerate() {
-        renderer.set_proxy(&stage.proxy).expect("the same technique");
+        renderer.set(&*stage.prepared).expect("the same technique");
         let gbuffer =
             renderer.gbuffer(&stage.views, &stage.camera, viewport, stage.meta("gpu")).expect("the GPU draws");
         let on_gpu = xtask::stage::OnGpu { gbuffer, shaded: None };
@@ -60,7 +66,7 @@ fn assert_agreement<'m>(models: impl IntoIterator<Item = &'m Model>, side: usize
     let viewport = Viewport::new(side, side).expect("a legal size");
     let mut found = vec![];
     for model in models {
-        for technique in Technique::ALL {
+        for &technique in techniques::ALL {
             found.extend(differing(&device, model, technique, viewport));
         }
     }
@@ -105,7 +111,7 @@ fn a_missing_inner_loop_differs_along_the_trim() {
         // The same triangles: they are those of the surface, whatever is cut out of it.
         let faulty = PackedScene::new(&other, stage.plan.scheme).expect("it packs");
         let options = gpu::RendererOptions { curvature: true, ..Default::default() };
-        let mut renderer = gpu::Renderer::new(&device, &faulty, &stage.proxy, options).expect("the GPU takes it");
+        let mut renderer = gpu::Renderer::new(&device, &faulty, &*stage.prepared, options).expect("the GPU takes it");
         let on_gpu = renderer.gbuffer(&stage.views, &camera, viewport, stage.meta("gpu")).expect("the GPU draws");
         let on_cpu =
             Stage { scene: faulty.into(), ..Stage::new(&model, camera, viewport, stage.plan).expect("a stage") }

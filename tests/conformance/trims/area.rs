@@ -2,7 +2,6 @@
 
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, Surface};
-use pipeline::Technique;
 use raycast::Caster;
 use scene::{Camera, Face, FaceId, Model, Projection, Viewport};
 use xtask::stage::{Plan, Stage};
@@ -55,10 +54,10 @@ fn the_area_by_pixels_converges_to_the_exact_one() {
         for side in [32, 64, 128, 256] {
             let viewport = Viewport::new(side, side).expect("a legal size");
             let stage = |technique| Stage::new(&model, camera, viewport, Plan { technique, ..Plan::default() });
-            let fragment = stage(Technique::Fragment).expect("a stage");
+            let fragment = stage(&techniques::fragment::Fragment).expect("a stage");
             let mut counted = vec![("raycast", fragment.raycast(&caster).covered())];
             counted.push(("raster, fragment", fragment.raster().covered()));
-            counted.push(("raster, exact", stage(Technique::Exact).expect("a stage").raster().covered()));
+            counted.push(("raster, exact", stage(&techniques::exact::Exact).expect("a stage").raster().covered()));
             if side == 64 {
                 let on_gpu = fragment.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws");
                 counted.push(("gpu, fragment", on_gpu.gbuffer.covered()));

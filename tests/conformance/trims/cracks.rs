@@ -3,7 +3,6 @@
 use gbuffer::GBuffer;
 use glam::DVec3;
 use nurbs::{Curve, Surface};
-use pipeline::Technique;
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Projection, Viewport};
 use xtask::stage::{Plan, Stage};
@@ -54,7 +53,7 @@ fn found(model: &Model, on_gpu: bool) -> Vec<(String, usize)> {
     let device = on_gpu.then(|| gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers`"));
     let mut all = vec![];
     for (view, camera) in views(model).into_iter().enumerate() {
-        for technique in [Technique::Fragment, Technique::Exact] {
+        for &technique in techniques::ALL {
             let stage = Stage::new(model, camera, viewport, Plan { technique, ..Plan::default() }).expect("a stage");
             let name = |renderer: &str| format!("view {view}, {technique:?}, {renderer}");
             all.push((name("raster"), uncovered(&stage.raster())));

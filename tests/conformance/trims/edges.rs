@@ -4,10 +4,11 @@ use compare::{Cause, PairReport, Verdict};
 use gbuffer::{EDGE_REACH_PX, GBuffer, Hit, Meta, Picture};
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, Surface};
+use pipeline::Parameters;
 use pipeline::edge::{edge, packed, unpacked};
-use pipeline::{Parameters, Technique};
 use raycast::Caster;
 use scene::{Camera, Face, FaceId, Loop, Model, Projection, Trim, Viewport};
+use techniques::Technique;
 use xtask::stage::{Plan, Stage};
 
 /// Side of the pictures, pixels.
@@ -19,7 +20,7 @@ fn viewport() -> Viewport {
     Viewport::new(SIDE, SIDE).expect("a legal size")
 }
 
-fn plan(technique: Technique) -> Plan {
+fn plan(technique: &'static dyn Technique) -> Plan {
     Plan { technique, edges: true, ..Plan::default() }
 }
 
@@ -103,7 +104,7 @@ fn every_renderer_records_the_distance_of_the_nearest_edge_however_small_what_it
     for turn in [0.0, 0.37] {
         let camera = from_above(turn);
         let mut buffers = vec![];
-        for technique in Technique::ALL {
+        for &technique in techniques::ALL {
             let stage = Stage::new(&model, camera, viewport(), plan(technique)).expect("a stage");
             buffers.push(stage.raster());
             buffers.push(stage.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer);
@@ -150,7 +151,7 @@ fn all_three_record_what_the_judge_finds_on_every_trimmed_model() {
     for (name, _) in formats::TRIMMED {
         let model = formats::builtin(name).expect("built in");
         let caster = Caster::new(&model).with_edges(true);
-        for technique in Technique::ALL {
+        for &technique in techniques::ALL {
             let camera = Camera::framing(&model, viewport());
             let stage = Stage::new(&model, camera, viewport(), plan(technique)).expect("a stage");
             let (raycast, raster) = (stage.raycast(&caster), stage.raster());
@@ -159,7 +160,7 @@ fn all_three_record_what_the_judge_finds_on_every_trimmed_model() {
                 stage.against_raycast(&caster, &raycast, &as_candidate(&raycast)),
             ];
             // A software adapter takes seconds to compile the kernels of technique `exact`.
-            if technique == Technique::Fragment || *name == "islands" {
+            if technique == techniques::ALL[0] || *name == "islands" {
                 let on_gpu = stage.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer;
                 pairs.push(stage.against_raycast(&caster, &raycast, &on_gpu));
                 pairs.push(stage.against_raster(&raster, &on_gpu));
@@ -178,11 +179,12 @@ fn the_program_in_wgsl_records_the_edge_of_the_program_in_rust() {
     let device = gpu::Device::open(None).expect(ADAPTER);
     for name in ["plate", "islands"] {
         let model = formats::builtin(name).expect("built in");
-        for technique in Technique::ALL {
+        for &technique in techniques::ALL {
             let camera = Camera::framing(&model, viewport());
             let stage = Stage::new(&model, camera, viewport(), plan(technique)).expect("a stage");
             let options = gpu::RendererOptions::default();
-            let mut renderer = gpu::Renderer::new(&device, &stage.scene, &stage.proxy, options).expect("it is taken");
+            let mut renderer =
+                gpu::Renderer::new(&device, &stage.scene, &*stage.prepared, options).expect("it is taken");
             let fragments = renderer.fragments(&stage.views, viewport()).expect("it draws");
             let mut recorded = 0;
             for (i, fragment) in fragments.iter().enumerate().filter_map(|(i, f)| Some((i, f.as_ref()?))) {
@@ -230,7 +232,7 @@ fn a_wrong_edge_is_a_difference_of_the_trim() {
     let model = Model::new("disc", vec![plane(0.3)], vec![face(0, vec![(true, disc(DVec2::splat(24.0), 20.3))])]);
     let model = model.expect("legal");
     let caster = Caster::new(&model);
-    for technique in Technique::ALL {
+    for &technique in techniques::ALL {
         let stage = Stage::new(&model, from_above(0.2), viewport(), plan(technique)).expect("a stage");
         let (raycast, raster) = (stage.raycast(&caster), stage.raster());
         let differing = |candidate: &GBuffer| {
@@ -272,7 +274,8 @@ fn a_wrong_edge_is_a_difference_of_the_trim() {
     // And where there is none at all.
     let whole = Model::of_surfaces("whole", vec![plane(0.3)]).expect("legal");
     let caster = Caster::new(&whole);
-    let stage = Stage::new(&whole, from_above(0.2), viewport(), plan(Technique::Fragment)).expect("a stage");
+    let stage =
+        Stage::new(&whole, from_above(0.2), viewport(), plan(&techniques::fragment::Fragment)).expect("a stage");
     let (raycast, raster) = (stage.raycast(&caster), stage.raster());
     let rows: Vec<Vec<_>> = (0..SIDE)
         .map(|y| (0..SIDE).map(|x| raster.get(x, y).map(|hit| Hit { edge: Some(DVec2::X), ..*hit })).collect())
@@ -288,7 +291,7 @@ fn areas(radius: f64, side: usize) -> [f64; 3] {
     let model = model.expect("legal");
     let viewport = Viewport::new(side, side).expect("a legal size");
     let camera = from_above(0.3);
-    let stage = Stage::new(&model, camera, viewport, plan(Technique::Fragment)).expect("a stage");
+    let stage = Stage::new(&model, camera, viewport, plan(&techniques::fragment::Fragment)).expect("a stage");
     let buffer = stage.raster();
     let mut covered = 0.0;
     for y in 0..side {
@@ -334,7 +337,7 @@ fn two_faces_that_share_an_edge_at_a_slope_show_no_third_colour() {
     let camera = from_above(0.3);
     let (red, green) = ([200, 20, 20], [20, 180, 20]);
     let caster = Caster::new(&model).with_edges(true);
-    for technique in Technique::ALL {
+    for &technique in techniques::ALL {
         let stage = Stage::new(&model, camera, viewport(), plan(technique)).expect("a stage");
         for buffer in [stage.raster(), stage.raycast(&caster)] {
             let colour =

@@ -3,10 +3,11 @@
 use super::{Frames, Sample, turning};
 use crate::stage::Plan;
 use anyhow::Result;
-use pipeline::{PackedScene, Technique};
+use pipeline::PackedScene;
 use scene::{Face, Model, Viewport};
 use std::hint::black_box;
 use std::time::Instant;
+use techniques::Technique;
 
 /// A model whose faces have 50 trim curves each.
 const MODEL: &str = "pieces";
@@ -20,7 +21,7 @@ pub struct Trimming {
     whole: Model,
     many: Vec<Face>,
     /// Of each technique, on the CPU and on the GPU.
-    costs: Vec<(Technique, [Sample; 2])>,
+    costs: Vec<(&'static dyn Technique, [Sample; 2])>,
     setup: Sample,
 }
 
@@ -33,7 +34,7 @@ impl Trimming {
         let trimmed = formats::builtin(MODEL).expect("built in");
         let whole = Model::of_surfaces(format!("{MODEL}, whole"), trimmed.surfaces().to_vec())?;
         let many = trimmed.faces().iter().cycle().take(FACES).cloned().collect();
-        let cost = |technique: Technique| {
+        let cost = |technique: &'static dyn Technique| {
             let sample = |renderer| {
                 let what = format!("exact trims, {renderer}, {MODEL} {side}x{side}, {}", technique.name());
                 Sample::new(what, "× the same untrimmed", "≤ 1.5".to_owned())
@@ -42,7 +43,7 @@ impl Trimming {
         };
         let what = format!("setting up {FACES} faces with {} trim curves", 50 * FACES);
         let setup = Sample::new(what, "ms", "≤ 100".to_owned());
-        Ok(Self { trimmed, whole, many, costs: Technique::ALL.into_iter().map(cost).collect(), setup })
+        Ok(Self { trimmed, whole, many, costs: techniques::ALL.iter().copied().map(cost).collect(), setup })
     }
 
     /// One round: trimmed and whole by turns.

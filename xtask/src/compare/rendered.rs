@@ -78,7 +78,7 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
         size: [viewport.width(), viewport.height()],
         adapter: meta.and_then(|m| m.adapter.clone()),
         driver: meta.and_then(|m| m.driver.clone()),
-        triangles: stage.proxy.triangles(),
+        triangles: stage.prepared.triangles(),
         trim: stage.plan.trim.name(),
         masks: MaskReport::of(&stage),
         samples: &samples,

@@ -12,22 +12,26 @@ use crate::terminal;
 use crate::text::escaped;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
-use compare::{Deviation, Judge, PairReport};
+use compare::{Claims, Deviation, Judge, PairReport};
 use gbuffer::{GBuffer, Meta, Trims};
+use pipeline::PackedScene;
 use pipeline::mask::{MaskOptions, MaskPlan, MaskQuality, Trimming};
-use pipeline::{PackedScene, Technique};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use techniques::Technique;
 
 /// What the ray caster calls itself in a G-buffer. A file of that name is judged like any, under [`SAVED_RAYCAST`].
 const RAYCAST: &str = "raycast";
 
 /// What a file is called that says it is the ray caster's: the reference is cast anew.
 const SAVED_RAYCAST: &str = "raycast (saved)";
+
+/// What the ray caster calls its technique.
+const RAYS: &str = "rays";
 
 /// The longest name of a renderer, characters.
 const MAX_NAME: usize = 64;
@@ -43,16 +47,8 @@ pub struct SavedFile {
     /// What it holds; its camera in the words of [`Camera`], so that two of one scene are equal.
     pub buffer: GBuffer,
     camera: Camera,
-    origin: Origin,
-}
-
-/// Who drew a buffer, as far as the judge need know.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Origin {
-    /// One of our rasterizers, whose triangles can be made again.
-    Twin,
-    /// Someone else.
-    Foreign,
+    /// Whether it says that one of our rasterizers drew it: their triangles can be made again.
+    is_ours: bool,
 }
 
 /// One or two saved G-buffers of one scene.
@@ -89,10 +85,7 @@ impl SavedFile {
             bail!("{}: meta's renderer {name:?} is not a name of 1 to {MAX_NAME} printable characters", place());
         }
         let camera = Camera::deserialize(&meta.camera).with_context(|| format!("{}: meta's camera", place()))?;
-        let origin = match (name.as_str(), meta.technique.as_str()) {
-            ("raster" | "gpu", "fragment") => Origin::Twin,
-            _ => Origin::Foreign,
-        };
+        let is_ours = matches!(name.as_str(), "raster" | "gpu");
         if let Trims::Masks { error_px } = meta.trims
             && !(error_px > 0.0 && error_px.is_finite())
         {
@@ -100,7 +93,7 @@ impl SavedFile {
         }
         let renderer = if name == RAYCAST { SAVED_RAYCAST.to_owned() } else { name.clone() };
         let meta = Meta { camera: json!(camera), renderer, ..meta.clone() };
-        Ok(Self { path: path.to_owned(), buffer: buffer.with_meta(meta), camera, origin })
+        Ok(Self { path: path.to_owned(), buffer: buffer.with_meta(meta), camera, is_ours })
     }
 
     fn place(&self) -> std::path::Display<'_> {
@@ -152,17 +145,30 @@ impl SavedFile {
         Ok(Plan { trim, ..plan })
     }
 
+    /// Whether its triangles are those that the plan makes.
+    fn is_twin(&self, plan: Plan) -> bool {
+        self.is_ours
+            && self.buffer.meta().technique == plan.technique.name()
+            && plan.technique.claims() == Claims::Chord
+    }
+
     /// What this renderer is allowed against the surface itself; `twins` is the stage of our own rasterizers. By the plan's
     /// technique `exact` nobody is allowed a chord, whatever the file says.
     fn deviation(&self, saved: &Saved, plan: Plan, twins: Option<&Stage>) -> Result<Deviation> {
         let Saved { model, camera, viewport, .. } = saved;
         let meta = self.buffer.meta();
-        let deviation = match (meta.technique.as_str(), twins.filter(|_| self.origin == Origin::Twin)) {
-            ("fragment", _) if plan.technique == Technique::Exact => Deviation::exact(),
-            ("fragment", Some(stage)) => Deviation::of_proxy(&stage.interpolation, &stage.proxy.chord, plan.chord_px),
-            ("fragment", None) => Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px),
-            ("exact" | "rays", _) => Deviation::exact(),
-            (other, _) => bail!("{}: meta's technique {other:?} is none of fragment, exact, rays", self.place()),
+        let known = techniques::named(&meta.technique).map(Technique::claims);
+        let Some(claims) = known.or_else(|| (meta.technique == RAYS).then_some(Claims::OnRay)) else {
+            let names: Vec<&str> = techniques::ALL.iter().map(|t| t.name()).chain([RAYS]).collect();
+            bail!("{}: meta's technique {:?} is none of {}", self.place(), meta.technique, names.join(", "))
+        };
+        let twins = twins.filter(|_| self.is_twin(plan));
+        let deviation = match (claims, plan.technique.claims(), twins) {
+            (Claims::OnRay, ..) | (_, Claims::OnRay, _) => Deviation::exact(),
+            (Claims::Chord, _, Some(stage)) => {
+                Deviation::of_proxy(&stage.interpolation, stage.prepared.chord(), plan.chord_px)
+            }
+            (Claims::Chord, _, None) => Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px),
         };
         Ok(match meta.trims {
             Trims::Exact => deviation,
@@ -242,13 +248,8 @@ impl Saved {
             bail!("a chord error of {} pixels: it must be positive", plan.chord_px);
         }
         let plans: Vec<Plan> = self.files.iter().map(|file| file.trimmed(plan, masks_px)).collect::<Result<_>>()?;
-        let twins: Vec<Plan> = self
-            .files
-            .iter()
-            .zip(&plans)
-            .filter(|(file, _)| file.origin == Origin::Twin)
-            .map(|(_, plan)| *plan)
-            .collect();
+        let twins: Vec<Plan> =
+            self.files.iter().zip(&plans).filter(|(file, _)| file.is_twin(plan)).map(|(_, plan)| *plan).collect();
         let stage = twins.first().map(|&plan| Stage::new(&self.model, self.camera, self.viewport, plan)).transpose()?;
         let deviations: Vec<Deviation> =
             self.files.iter().map(|file| file.deviation(self, plan, stage.as_ref())).collect::<Result<_>>()?;

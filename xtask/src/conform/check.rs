@@ -6,8 +6,7 @@ use super::report::{Case, Outcome, Pair, Report, Subject};
 use super::run::CPU;
 use super::wrong::Vacuity;
 use anyhow::{Context, Result, bail, ensure};
-use compare::{Cause, Counts, UNANSWERED_SHARE, Verdict};
-use pipeline::Technique;
+use compare::{Cause, Counts, Verdict};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How a picture begins: nothing else may stand in the page.
@@ -135,7 +134,7 @@ fn check_pair(pair: &Pair, pixels: usize, technique: &str, unbounded_share: f64)
     ensure!(reasons == pair.unbounded, "{} pixels have no bound, by reasons {reasons}", pair.unbounded);
     let counts = Counts { covered: pair.covered, differing, undecided, unanswered, unbounded: pair.unbounded };
     // Only a search for roots may be without an answer here and there.
-    let unanswered_share = if technique == Technique::Exact.name() { UNANSWERED_SHARE } else { 0.0 };
+    let unanswered_share = techniques::named(technique).map_or(0.0, |known| known.claims().unanswered_share());
     let (verdict, why) = counts.verdict(unanswered_share, unbounded_share);
     if pair.agree {
         let why = why.unwrap_or_else(|| format!("{differing} pixels differ"));

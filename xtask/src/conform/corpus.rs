@@ -2,13 +2,15 @@
 
 use crate::stage::Plan;
 use anyhow::{Context, Result, bail};
+use compare::Claims;
 use glam::DVec3;
+use pipeline::Scheme;
 use pipeline::mask::{MaskOptions, Trimming};
-use pipeline::{Scheme, Technique};
 use scene::{Camera, Model, Projection, Viewport};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
+use techniques::Technique;
 
 /// How much of the corpus is run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -377,8 +379,8 @@ impl Suite {
         };
         let trim = if scene.masked { Trimming::Texture(MaskOptions::default()) } else { Trimming::Exact };
         let plan = |technique| schemes.iter().map(move |&scheme| Plan { technique, scheme, trim, ..Plan::default() });
-        let drawn = |technique: &Technique| *technique != Technique::Exact || scene.beyond_exact.is_none();
-        Technique::ALL.into_iter().filter(drawn).flat_map(plan).collect()
+        let drawn = |technique: &&dyn Technique| technique.claims() != Claims::OnRay || scene.beyond_exact.is_none();
+        techniques::ALL.iter().copied().filter(drawn).flat_map(plan).collect()
     }
 }
 

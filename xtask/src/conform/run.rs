@@ -234,7 +234,7 @@ impl Sitting<'_> {
         match Stage::new(self.model, camera, viewport, plan) {
             Err(error) => case.error = Some(format!("{error:#}")),
             Ok(stage) => {
-                case.triangles = stage.proxy.triangles();
+                case.triangles = stage.prepared.triangles();
                 let started = Instant::now();
                 let raster = stage.raster();
                 let mut outcome = self.outcome(&stage, &report.subjects[0].id, &raster, None, started);

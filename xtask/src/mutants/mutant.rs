@@ -2,11 +2,12 @@
 
 use super::operator::{Site, sites};
 use super::scenes::Shown;
-use pipeline::wgsl::{self, PARTS, Part, Variant};
-use pipeline::{Program, Technique, TrimMethod};
+use pipeline::wgsl::{self, COMMON, Part, Variant};
+use pipeline::{Program, TrimMethod};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
+use techniques::Technique;
 
 /// What a mutant is known by as long as its line stays as it is, wherever it moves.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -97,20 +98,18 @@ impl Mutant {
             _ => true,
         };
         let technique = shown.plan.technique;
-        is_used && part.of.map_or(technique == Technique::Fragment || shown.fills, |of| of == technique)
+        is_used && owner(part).map_or(*technique == *tried_by(part) || shown.fills, |of| *of == *technique)
     }
 
     fn part(&self) -> &'static Part {
-        PARTS.iter().find(|part| part.file == self.key.file).expect("mutants are made of the parts")
+        parts().find(|part| part.file == self.key.file).expect("mutants are made of the parts")
     }
 
     /// Whether naga accepts it, in the program of the lowest degree: the one of the smallest arrays.
     fn compiles(&self) -> bool {
-        let technique = tried_by(self.part());
-        let program = Program::Degree(3);
         is_legal(&self.source(Variant {
-            technique,
-            program,
+            parts: tried_by(self.part()).parts(),
+            program: Program::Degree(3),
             curvature: true,
             interpolated_normal: false,
             trims: TrimMethod::CurvesWithEdges,
@@ -118,9 +117,19 @@ impl Mutant {
     }
 }
 
-/// The technique with whose mutants those of a part are tried: its own, `fragment` for the parts of all.
-pub fn tried_by(part: &Part) -> Technique {
-    part.of.unwrap_or_default()
+/// All parts of all programs.
+pub fn parts() -> impl Iterator<Item = &'static Part> {
+    COMMON.iter().chain(techniques::ALL.iter().flat_map(|technique| technique.parts()))
+}
+
+/// The technique whose programs alone have a part.
+fn owner(part: &Part) -> Option<&'static dyn Technique> {
+    techniques::ALL.iter().copied().find(|technique| technique.parts().contains(part))
+}
+
+/// The technique with whose mutants those of a part are tried: its own, the first for the parts of all.
+pub fn tried_by(part: &Part) -> &'static dyn Technique {
+    owner(part).unwrap_or(techniques::ALL[0])
 }
 
 /// Whether a program parses and validates.
@@ -133,10 +142,9 @@ fn is_legal(source: &str) -> bool {
 
 /// All mutants of the parts that are tried by a technique. At each site the first replacement that compiles makes the
 /// mutant; where none does, the first is stillborn.
-pub fn generate(technique: Technique) -> Generated {
-    let all: Vec<(&Part, Site)> = PARTS
-        .iter()
-        .filter(|part| tried_by(part) == technique)
+pub fn generate(technique: &'static dyn Technique) -> Generated {
+    let all: Vec<(&Part, Site)> = parts()
+        .filter(|part| *tried_by(part) == *technique)
         .flat_map(|part| sites(part.text).into_iter().map(move |site| (part, site)))
         .collect();
     let born: Vec<(Mutant, bool)> = all
@@ -168,20 +176,20 @@ mod tests {
 
     #[test]
     fn the_sources_are_legal_and_a_mutant_changes_what_it_says() {
-        let variant = |technique| Variant {
-            technique,
+        let variant = |technique: &dyn Technique| Variant {
+            parts: technique.parts(),
             program: Program::General,
             curvature: true,
             interpolated_normal: false,
             trims: TrimMethod::CurvesWithEdges,
         };
-        for technique in pipeline::Technique::ALL {
+        for technique in techniques::ALL.iter().copied() {
             assert!(is_legal(&wgsl::source(variant(technique))));
         }
-        let generated = pipeline::Technique::ALL.map(generate);
+        let generated: Vec<Generated> = techniques::ALL.iter().map(|technique| generate(*technique)).collect();
         assert!(generated.iter().all(|of| of.mutants.len() >= 60));
         for mutant in generated.iter().flat_map(|of| &of.mutants) {
-            let text = PARTS.iter().find(|part| part.file == mutant.key.file).unwrap().text;
+            let text = parts().find(|part| part.file == mutant.key.file).unwrap().text;
             assert_eq!(text[mutant.start..mutant.end], mutant.key.original);
             let line = text.lines().nth(mutant.line - 1).unwrap();
             assert!(line[mutant.column - 1..].starts_with(mutant.key.original.lines().next().unwrap()), "{mutant:?}");
@@ -192,7 +200,7 @@ mod tests {
 
     #[test]
     fn keys_tell_all_mutants_apart() {
-        let mutants = pipeline::Technique::ALL.map(generate).map(|of| of.mutants).concat();
+        let mutants: Vec<Mutant> = techniques::ALL.iter().flat_map(|technique| generate(*technique).mutants).collect();
         let keys: std::collections::HashSet<_> = mutants.iter().map(|m| &m.key).collect();
         assert_eq!(keys.len(), mutants.len());
     }

@@ -1,17 +1,16 @@
 //! What became of the mutants, for people and for machines.
 
-use super::mutant::{Key, Mutant, tried_by};
+use super::mutant::{Key, Mutant, parts, tried_by};
 use super::record::{Group, Kind};
 use super::worker::Outcome;
 use crate::format::Format;
 use crate::{say, terminal};
 use anyhow::Result;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
-use pipeline::Technique;
-use pipeline::wgsl::PARTS;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Duration;
+use techniques::Technique;
 
 /// A mutant and what became of it.
 #[derive(Debug, Clone, Serialize)]
@@ -57,8 +56,8 @@ pub struct Report {
 }
 
 /// Entries of the list that match no mutant, those apart of parts that another technique tries.
-pub fn unknown(reviewed: &[Group], mutants: &[Mutant], technique: Technique) -> Vec<Key> {
-    let is_of_another = |key: &Key| PARTS.iter().any(|part| part.file == key.file && tried_by(part) != technique);
+pub fn unknown(reviewed: &[Group], mutants: &[Mutant], technique: &'static dyn Technique) -> Vec<Key> {
+    let is_of_another = |key: &Key| parts().any(|part| part.file == key.file && *tried_by(part) != *technique);
     let keys = reviewed.iter().flat_map(|group| &group.mutants).filter(|key| !is_of_another(key));
     keys.filter(|key| !mutants.iter().any(|m| m.key == **key)).cloned().collect()
 }

@@ -3,12 +3,14 @@
 mod joints;
 
 use crate::stage::Plan;
+use compare::Claims;
 use gbuffer::ShadeKind;
 use glam::DVec3;
 use nurbs::{Direction, KnotVector, Surface};
-use pipeline::{Scheme, Technique};
+use pipeline::Scheme;
 use scene::{Camera, Face, Model, Projection, Viewport};
 use std::f64::consts::FRAC_1_SQRT_2;
+use techniques::Technique;
 
 /// A model, who looks, and how it is drawn.
 #[derive(Clone)]
@@ -37,10 +39,10 @@ pub struct Shown {
 const SIDE: usize = 40;
 
 /// Those of a technique, in the order in which a mutant meets them.
-pub fn scenes(technique: Technique) -> Vec<Shown> {
-    let scenes = match technique {
-        Technique::Fragment => [triangles(), joints::joints(), edges()].concat(),
-        Technique::Exact => [hulls(), joints::joints()[4..].to_vec()].concat(),
+pub fn scenes(technique: &'static dyn Technique) -> Vec<Shown> {
+    let scenes = match technique.claims() {
+        Claims::Chord => [triangles(), joints::joints(), edges()].concat(),
+        Claims::OnRay => [hulls(), joints::joints()[4..].to_vec()].concat(),
     };
     let drawn = |mut shown: Shown| {
         shown.plan.technique = technique;

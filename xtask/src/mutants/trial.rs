@@ -3,15 +3,17 @@
 use super::scenes::Shown;
 use crate::stage::{Plan, Stage};
 use anyhow::{Result, bail};
-use compare::Verdict;
+use compare::{Claims, Verdict};
 use gbuffer::{GBuffer, Hit, Shading};
+use pipeline::Parameters;
 use pipeline::fragment::{Fragment, fragment};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{Parameters, Proxy, Technique};
 use raycast::Caster;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::cell::Cell;
+use std::sync::Arc;
+use techniques::fragment::Tessellation;
 
 /// How a mutant was caught.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,8 +55,8 @@ impl<'s> Trial<'s> {
         // Equal cells keep to no chord error, and none is asked for.
         let chord_px = if shown.cells.is_some() { ANY_CHORD_PX } else { shown.plan.chord_px };
         let mut stage = Stage::new(&shown.model, shown.camera, shown.viewport, Plan { chord_px, ..shown.plan })?;
-        if let (Some(cells), Technique::Fragment) = (shown.cells, shown.plan.technique) {
-            stage.proxy = Proxy::uniform(&shown.model, &stage.scene, cells)?.into();
+        if let (Some(cells), Claims::Chord) = (shown.cells, shown.plan.technique.claims()) {
+            stage.prepared = Arc::new(Tessellation::uniform(&shown.model, &stage.scene, cells)?);
         }
         let caster = Caster::new(&shown.model).with_edges(shown.plan.edges);
         let reference = if shown.vertex_normals {
@@ -71,11 +73,11 @@ impl<'s> Trial<'s> {
         if shown.fills && reference.covered() < shown.viewport.pixels() {
             bail!("{}: the model does not fill the picture", shown.name);
         }
-        let evaluations = match shown.plan.technique {
-            Technique::Fragment => vec![],
-            Technique::Exact => {
+        let evaluations = match shown.plan.technique.claims() {
+            Claims::Chord => vec![],
+            Claims::OnRay => {
                 let options = gpu::RendererOptions { curvature: true, ..Default::default() };
-                let mut renderer = gpu::Renderer::new(device, &stage.scene, &stage.proxy, options)?;
+                let mut renderer = gpu::Renderer::new(device, &stage.scene, &*stage.prepared, options)?;
                 renderer.evaluations(&stage.views, shown.viewport)?
             }
         };
@@ -105,13 +107,13 @@ impl<'s> Trial<'s> {
 
     /// The picture's G-buffer first, and only then, with a program of its own, what the fragment stage shades.
     fn judged(&self, device: &gpu::Device, overrides: gpu::Overrides) -> Result<Option<Catch>> {
-        let Stage { scene, proxy, views, camera, viewport, .. } = &self.stage;
+        let Stage { scene, prepared, views, camera, viewport, .. } = &self.stage;
         let shading = Shading::new(self.shown.shade);
         let uniform = shading.uniform(camera, self.shown.model.hull().diagonal());
         let interpolated_normals = self.shown.vertex_normals;
         let options = gpu::RendererOptions { curvature: !interpolated_normals, interpolated_normals, overrides };
         let refused = |error: gpu::GpuError| Ok(Some(self.caught(REFUSED, error.to_string())));
-        let mut renderer = match gpu::Renderer::new(device, scene, proxy, options) {
+        let mut renderer = match gpu::Renderer::new(device, scene, &**prepared, options) {
             Ok(renderer) => renderer,
             Err(error) => return refused(error),
         };
@@ -141,7 +143,7 @@ impl<'s> Trial<'s> {
                 let cracks = self.shown.viewport.pixels() - gbuffer.covered();
                 return Ok(Some(self.caught("crack", format!("{cracks} pixels show nothing"))));
             }
-            if self.shown.plan.technique == Technique::Exact {
+            if self.shown.plan.technique.claims() == Claims::OnRay {
                 let found = match renderer.evaluations(views, *viewport) {
                     Ok(found) => found,
                     Err(error) => return refused(error),

@@ -9,7 +9,6 @@ use super::mutant::Mutant;
 use super::scenes::{Shown, scenes};
 use super::trial::{Catch, REFUSED, Shot, Trial};
 use anyhow::{Context, Result, bail};
-use pipeline::Technique;
 use pipeline::wgsl;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Write};
@@ -88,7 +87,7 @@ pub enum Outcome {
 /// Where there is no adapter or a job cannot be read.
 pub fn serve(adapter: Option<&str>) -> Result<()> {
     let device = gpu::Device::open(adapter)?;
-    let shown: Vec<Shown> = Technique::ALL.into_iter().flat_map(scenes).collect();
+    let shown: Vec<Shown> = techniques::ALL.iter().copied().flat_map(scenes).collect();
     let mut trials: Vec<Option<Trial>> = shown.iter().map(|_| None).collect();
     let say = |word: Word| -> Result<()> {
         let mut out = std::io::stdout().lock();

@@ -8,17 +8,19 @@ use gbuffer::{ShadeKind, Shading};
 use glam::DVec3;
 use gpu::{DepthOrder, GpuError, Overrides, Renderer, RendererOptions};
 use pipeline::fragment::fragment;
-use pipeline::{PackedScene, Parameters, Proxy, Scheme};
+use pipeline::{PackedScene, Parameters, Scheme};
 use scene::{Camera, FaceId, Model, Projection, Viewport};
+use techniques::exact::Hulls;
+use techniques::fragment::Tessellation;
 
-fn hulls(model: Model, scheme: Scheme, camera: Camera, viewport: Viewport) -> Shot {
+fn hulls(model: Model, scheme: Scheme, camera: Camera, viewport: Viewport) -> Shot<Hulls> {
     let scene = PackedScene::new(&model, scheme).unwrap();
-    let proxy = Proxy::hulls(&model, &scene, &camera, viewport).unwrap();
-    Shot { model, scene, proxy, camera, viewport }
+    let drawn = Hulls::new(&model, &scene, &camera, viewport).unwrap();
+    Shot { model, scene, drawn, camera, viewport }
 }
 
 /// Squares one above the other, the lowest drawn first: each hides what was met before it.
-fn stack(count: usize) -> Shot {
+fn stack(count: usize) -> Shot<Hulls> {
     let squares = (0..count).map(|i| square(i as f64 / count as f64)).collect();
     let model = Model::of_surfaces("stack", squares).unwrap();
     hulls(model, Scheme::Specialised, from_above(1.5), Viewport::new(48, 32).unwrap())
@@ -36,7 +38,7 @@ fn every_fragment_has_the_bits_of_the_program_in_rust_at_its_own_parameters() {
         let model = assorted(7);
         let camera = Camera::framing(&model, viewport);
         let shot = hulls(model, scheme, camera, viewport);
-        let mut renderer = Renderer::new(&device, &shot.scene, &shot.proxy, CURVATURE).unwrap();
+        let mut renderer = Renderer::new(&device, &shot.scene, &shot.drawn, CURVATURE).unwrap();
         let fragments = renderer.fragments(&shot.views(), viewport).unwrap();
         let drawn: Vec<_> = fragments.iter().flatten().collect();
         assert!(drawn.len() > 300, "{} pixels drawn", drawn.len());
@@ -95,22 +97,22 @@ fn a_hull_that_reaches_behind_the_eye_is_seen_where_the_plane_is() {
 fn a_picture_is_the_same_every_time_and_the_same_after_other_pieces() {
     let device = software();
     let shot = stack(5);
-    let other = Proxy::hulls(&shot.model, &shot.scene, &from_above(4.0), shot.viewport).unwrap();
-    let mut renderer = Renderer::new(&device, &shot.scene, &shot.proxy, CURVATURE).unwrap();
+    let other = Hulls::new(&shot.model, &shot.scene, &from_above(4.0), shot.viewport).unwrap();
+    let mut renderer = Renderer::new(&device, &shot.scene, &shot.drawn, CURVATURE).unwrap();
     let first = renderer.fragments(&shot.views(), shot.viewport).unwrap();
     assert!(renderer.fragments(&shot.views(), shot.viewport).unwrap() == first);
-    renderer.set_proxy(&other).unwrap();
+    renderer.set(&other).unwrap();
     assert!(renderer.fragments(&shot.views(), shot.viewport).unwrap().iter().any(Option::is_some));
-    renderer.set_proxy(&shot.proxy).unwrap();
+    renderer.set(&shot.drawn).unwrap();
     assert!(renderer.fragments(&shot.views(), shot.viewport).unwrap() == first);
-    let empty_batches = shot.proxy.batches.iter().map(|b| pipeline::Batch { count: 0, ..*b }).collect();
-    let mut without = shot.proxy.clone();
-    without.batches = empty_batches;
-    renderer.set_proxy(&without).unwrap();
+    let empty_batches = shot.drawn.mesh.batches.iter().map(|b| pipeline::Batch { count: 0, ..*b }).collect();
+    let mut without = shot.drawn.clone();
+    without.mesh.batches = empty_batches;
+    renderer.set(&without).unwrap();
     assert!(renderer.fragments(&shot.views(), shot.viewport).unwrap().iter().all(Option::is_none));
-    let triangles = Proxy::uniform(&shot.model, &shot.scene, 1).unwrap();
+    let triangles = Tessellation::uniform(&shot.model, &shot.scene, 1).unwrap();
     let expected = GpuError::Technique { expected: "exact", found: "fragment" };
-    assert_eq!(renderer.set_proxy(&triangles), Err(expected));
+    assert_eq!(renderer.set(&triangles), Err(expected));
 }
 
 /// The first frame looks past the stack, so only later ones need more room.
@@ -125,7 +127,7 @@ fn timing_counts_the_frames_asked_for_however_many_pieces_a_later_one_meets() {
         Projection::Orthographic { height: 1.5 },
     );
     let away = shot.scene.views(&shot.model, &past.unwrap(), shot.viewport);
-    let mut renderer = Renderer::new(&device, &shot.scene, &shot.proxy, RendererOptions::default()).unwrap();
+    let mut renderer = Renderer::new(&device, &shot.scene, &shot.drawn, RendererOptions::default()).unwrap();
     let uniform = Shading::new(ShadeKind::Phong).uniform(&shot.camera, 1.0);
     let timing = renderer.time_shaded(&[away, shot.views(), shot.views()], &uniform, shot.viewport).unwrap();
     assert_eq!(timing.frames, 3);

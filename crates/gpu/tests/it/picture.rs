@@ -5,12 +5,13 @@ use crate::software;
 use crate::twin::differences;
 use gbuffer::{GBuffer, Meta, ShadeInput, ShadeKind, Shading, background, shade_tolerant};
 use glam::DVec3;
-use gpu::{DepthOrder, Device, MaskBlend, Overrides, Renderer, RendererOptions};
+use gpu::{DepthOrder, Device, Drawable, MaskBlend, Overrides, Renderer, RendererOptions};
 use nurbs::{KnotVector, Surface};
 use pipeline::fragment::fragment;
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, Parameters, Proxy, Scheme};
+use pipeline::{PackedScene, Parameters, Scheme};
 use scene::{Camera, FaceId, Model, Projection, Viewport};
+use techniques::fragment::Tessellation;
 
 pub(crate) const CURVATURE: RendererOptions<'static> = RendererOptions {
     curvature: true,
@@ -19,10 +20,10 @@ pub(crate) const CURVATURE: RendererOptions<'static> = RendererOptions {
 };
 
 /// A model packed, tessellated and seen.
-pub(crate) struct Shot {
+pub(crate) struct Shot<D = Tessellation> {
     pub(crate) model: Model,
     pub(crate) scene: PackedScene,
-    pub(crate) proxy: Proxy,
+    pub(crate) drawn: D,
     pub(crate) camera: Camera,
     pub(crate) viewport: Viewport,
 }
@@ -30,17 +31,19 @@ pub(crate) struct Shot {
 impl Shot {
     fn new(model: Model, scheme: Scheme, camera: Camera, viewport: Viewport, cells: usize) -> Self {
         let scene = PackedScene::new(&model, scheme).unwrap();
-        let proxy = Proxy::uniform(&model, &scene, cells).unwrap();
-        Self { model, scene, proxy, camera, viewport }
+        let drawn = Tessellation::uniform(&model, &scene, cells).unwrap();
+        Self { model, scene, drawn, camera, viewport }
     }
+}
 
+impl<D: Drawable> Shot<D> {
     pub(crate) fn views(&self) -> Vec<pipeline::View> {
         self.scene.views(&self.model, &self.camera, self.viewport)
     }
 
     pub(crate) fn gbuffer(&self, device: &Device, options: RendererOptions<'_>) -> Result<GBuffer, gpu::GpuError> {
-        let meta = Meta::new("gpu", self.proxy.technique().name(), &self.model, &self.camera);
-        let mut renderer = Renderer::new(device, &self.scene, &self.proxy, options)?;
+        let meta = Meta::new("gpu", self.drawn.technique(), &self.model, &self.camera);
+        let mut renderer = Renderer::new(device, &self.scene, &self.drawn, options)?;
         renderer.gbuffer(&self.views(), &self.camera, self.viewport, meta)
     }
 }
@@ -73,7 +76,7 @@ fn assorted_shots() -> Vec<Shot> {
 fn every_fragment_has_the_bits_of_the_program_in_rust_at_its_own_parameters() {
     let device = software();
     for shot in assorted_shots() {
-        let mut renderer = Renderer::new(&device, &shot.scene, &shot.proxy, CURVATURE).unwrap();
+        let mut renderer = Renderer::new(&device, &shot.scene, &shot.drawn, CURVATURE).unwrap();
         let fragments = renderer.fragments(&shot.views(), shot.viewport).unwrap();
         let drawn: Vec<_> = fragments.iter().flatten().collect();
         assert!(drawn.len() > 500, "{} pixels drawn", drawn.len());
@@ -89,7 +92,7 @@ fn a_gbuffer_holds_the_hits_of_the_fragments() {
     let device = software();
     for shot in assorted_shots() {
         let gbuffer = shot.gbuffer(&device, CURVATURE).unwrap();
-        let mut renderer = Renderer::new(&device, &shot.scene, &shot.proxy, CURVATURE).unwrap();
+        let mut renderer = Renderer::new(&device, &shot.scene, &shot.drawn, CURVATURE).unwrap();
         let fragments = renderer.fragments(&shot.views(), shot.viewport).unwrap();
         for (index, (hit, f)) in gbuffer.pixels().zip(&fragments).enumerate() {
             let (x, y) = (index % shot.viewport.width(), index / shot.viewport.width());
@@ -236,7 +239,7 @@ fn a_shaded_picture_is_that_of_the_gbuffer_to_a_step_of_each_channel() {
     let shot = Shot::new(model, Scheme::Specialised, camera, viewport, 24);
     let gbuffer = shot.gbuffer(&device, CURVATURE).unwrap();
     assert!(gbuffer.covered() > 1000, "{} pixels covered", gbuffer.covered());
-    let mut renderer = Renderer::new(&device, &shot.scene, &shot.proxy, CURVATURE).unwrap();
+    let mut renderer = Renderer::new(&device, &shot.scene, &shot.drawn, CURVATURE).unwrap();
     for kind in ShadeKind::ALL {
         let uniform = Shading::new(kind).uniform(&shot.camera, shot.model.hull().diagonal());
         let picture = renderer.shaded(&shot.views(), &uniform, viewport).unwrap();
@@ -271,7 +274,7 @@ fn interpolated_normals_change_the_shading_only() {
     assert!(own == interpolated);
     let uniform = Shading::new(ShadeKind::Normal).uniform(&shot.camera, 1.0);
     let pictures = [CURVATURE, options].map(|options| {
-        let mut renderer = Renderer::new(&device, &shot.scene, &shot.proxy, options).unwrap();
+        let mut renderer = Renderer::new(&device, &shot.scene, &shot.drawn, options).unwrap();
         renderer.shaded(&shot.views(), &uniform, viewport).unwrap()
     });
     let pairs = pictures[0].rgb().iter().zip(pictures[1].rgb());
@@ -279,22 +282,22 @@ fn interpolated_normals_change_the_shading_only() {
 }
 
 #[test]
-fn another_proxy_of_the_same_scene_is_drawn_in_place_of_the_first() {
+fn other_triangles_of_the_same_scene_are_drawn_in_place_of_the_first() {
     let device = software();
     let shot = &assorted_shots()[1];
     let views = shot.views();
-    let mut renderer = Renderer::new(&device, &shot.scene, &shot.proxy, CURVATURE).unwrap();
+    let mut renderer = Renderer::new(&device, &shot.scene, &shot.drawn, CURVATURE).unwrap();
     let first = renderer.fragments(&views, shot.viewport).unwrap();
-    let finer = Proxy::uniform(&shot.model, &shot.scene, 6).unwrap();
-    renderer.set_proxy(&finer).unwrap();
+    let finer = Tessellation::uniform(&shot.model, &shot.scene, 6).unwrap();
+    renderer.set(&finer).unwrap();
     assert!(renderer.fragments(&views, shot.viewport).unwrap() != first);
-    let nothing = Proxy::default();
-    renderer.set_proxy(&nothing).unwrap();
+    let nothing = Tessellation::default();
+    renderer.set(&nothing).unwrap();
     assert!(renderer.fragments(&views, shot.viewport).unwrap().iter().all(Option::is_none));
-    let empty_batches = shot.proxy.batches.iter().map(|b| pipeline::Batch { count: 0, ..*b }).collect();
-    let mut without = shot.proxy.clone();
-    without.batches = empty_batches;
-    renderer.set_proxy(&without).unwrap();
+    let empty_batches = shot.drawn.mesh.batches.iter().map(|b| pipeline::Batch { count: 0, ..*b }).collect();
+    let mut without = shot.drawn.clone();
+    without.mesh.batches = empty_batches;
+    renderer.set(&without).unwrap();
     assert!(renderer.fragments(&views, shot.viewport).unwrap().iter().all(Option::is_none));
 }
 
@@ -302,7 +305,7 @@ fn another_proxy_of_the_same_scene_is_drawn_in_place_of_the_first() {
 fn timing_counts_the_frames_asked_for() {
     let device = software();
     let shot = &assorted_shots()[1];
-    let mut renderer = Renderer::new(&device, &shot.scene, &shot.proxy, RendererOptions::default()).unwrap();
+    let mut renderer = Renderer::new(&device, &shot.scene, &shot.drawn, RendererOptions::default()).unwrap();
     let uniform = Shading::new(ShadeKind::Phong).uniform(&shot.camera, 1.0);
     let frames = vec![shot.views(); 7];
     let timing = renderer.time_shaded(&frames, &uniform, shot.viewport).unwrap();

@@ -6,8 +6,9 @@ use glam::DVec3;
 use gpu::{Device, GpuError, Overrides, Renderer, RendererOptions, probe};
 use nurbs::{KnotVector, Surface};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, Parameters, Program, Proxy, Scheme};
+use pipeline::{PackedScene, Parameters, Program, Scheme};
 use scene::{Camera, Face, Model, Viewport};
+use techniques::fragment::Tessellation;
 
 #[test]
 fn an_adapter_that_is_not_there_is_answered_with_those_that_are() {
@@ -22,7 +23,7 @@ fn a_scene_above_the_adapters_limit_is_refused_with_the_limit() {
     let device = software();
     let small = assorted(1);
     let scene = PackedScene::new(&small, Scheme::General).unwrap();
-    let proxy = Proxy::uniform(&small, &scene, 1).unwrap();
+    let drawn = Tessellation::uniform(&small, &scene, 1).unwrap();
     // A terrain of 2¹³ × (2¹⁰ + 1) heights: 16 bytes each are just above 2²⁷.
     let (rows, columns) = (1 << 13, (1 << 10) + 1);
     let heights = (0..rows * columns).map(|k| DVec3::new((k / columns) as f64, (k % columns) as f64, 0.0)).collect();
@@ -33,7 +34,7 @@ fn a_scene_above_the_adapters_limit_is_refused_with_the_limit() {
     let surface = Surface::new(knots(rows), knots(columns), heights, None).unwrap();
     let model = Model::new("terrain".to_owned(), vec![surface], vec![Face::whole(0)]).unwrap();
     let scene = PackedScene::new(&model, Scheme::General).unwrap();
-    let Err(error) = Renderer::new(&device, &scene, &proxy, RendererOptions::default()) else { panic!("it fits") };
+    let Err(error) = Renderer::new(&device, &scene, &drawn, RendererOptions::default()) else { panic!("it fits") };
     let GpuError::Limit { what, limit, needed, available } = error else { panic!("{error}") };
     assert_eq!((what, limit), ("control points", "max_storage_buffer_binding_size"));
     assert_eq!(needed, 16 * (rows * columns) as u64);
@@ -44,13 +45,13 @@ fn renderer_with(from: &str, to: &str) -> GpuError {
     let device = software();
     let model = assorted(1);
     let scene = PackedScene::new(&model, Scheme::Specialised).unwrap();
-    let proxy = Proxy::uniform(&model, &scene, 1).unwrap();
+    let drawn = Tessellation::uniform(&model, &scene, 1).unwrap();
     let source = |variant: Variant| wgsl::source(variant).replace(from, to);
     let overrides = Overrides { source: Some(&source), ..Overrides::default() };
     let options = RendererOptions { overrides, ..RendererOptions::default() };
     let viewport = Viewport::new(8, 8).unwrap();
     let views = scene.views(&model, &Camera::framing(&model, viewport), viewport);
-    match Renderer::new(&device, &scene, &proxy, options) {
+    match Renderer::new(&device, &scene, &drawn, options) {
         Err(error) => error,
         Ok(mut renderer) => renderer.fragments(&views, viewport).expect_err("the source is at fault"),
     }
@@ -86,8 +87,8 @@ fn views_of_another_scene_are_refused() {
     let device = software();
     let model = assorted(1);
     let scene = PackedScene::new(&model, Scheme::Specialised).unwrap();
-    let proxy = Proxy::uniform(&model, &scene, 1).unwrap();
-    let mut renderer = Renderer::new(&device, &scene, &proxy, RendererOptions::default()).unwrap();
+    let drawn = Tessellation::uniform(&model, &scene, 1).unwrap();
+    let mut renderer = Renderer::new(&device, &scene, &drawn, RendererOptions::default()).unwrap();
     let viewport = Viewport::new(8, 8).unwrap();
     let mut views = scene.views(&model, &Camera::framing(&model, viewport), viewport);
     views.pop();

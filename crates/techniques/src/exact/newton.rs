@@ -1,4 +1,4 @@
-//! Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of `shaders/newton.wgsl`.
+//! Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of `shaders/exact/newton.wgsl`.
 //!
 //! The ray of a pixel is two planes ([`Sight`]): S(u, v) is on it where its offset from the pixel, in pixels, vanishes
 //! in x and in y. The offset is the projection of S less the pixel's position, so its size means the same whatever the
@@ -7,12 +7,12 @@
 //! * **Seeds.** The ray enters and leaves the piece's hull; at both places the piece, taken as flat, says (u, v). Where
 //!   the two are within a quarter of the piece they are one seed, half way. A piece is nearly flat, so a ray that
 //!   meets it twice (a fold) runs along its hull, and meets it once from either end. Where a search ends at a place
-//!   that is seen edge-on, `fold` says where the ray may meet the piece again, and more searches begin there; where it ends
+//!   that is seen edge-on, [`again`] says where the ray may meet the piece again, and more searches begin there; where it ends
 //!   behind the eye, without an answer, or without a hit of a piece that is large or twisted, at [`RESTARTS`], from
 //!   where the first [`APPROACHES`] steps take the offset times w.
 //! * **Steps.** Newton's step on the 2 × 2 system; where its columns are nearly parallel (a silhouette, a pole), a
 //!   step of Levenberg and Marquardt. No step is longer than the piece, or half of it where the
-//!   piece is seen edge-on, none leaves it by more than [`BEYOND`] of it: at
+//!   piece is seen edge-on, none leaves it by more than [`BEYOND`](super::place::BEYOND) of it: at
 //!   that border the search slides along. A
 //!   step that brings the offset no nearer to zero is halved, up to [`HALVINGS`] times. Behind the eye the offset is taken
 //!   times w, which has the same zeros and no pole: from there the search comes forward, and never goes back.
@@ -23,22 +23,17 @@
 //!   ray passes the piece. Where the tangent plane promises much and holds little, close by a fold
 //!   ([`NEAR_FOLD_PX`]), and where a collapsed edge twists the piece, the search has some
 //!   [patience](PieceRecord::patience). Where no step comes nearer, for all is within what f32 leaves of S and of the
-//!   parameters ([`ROUNDING`]), the place is as good as any. Or after [`EVALUATIONS`].
+//!   parameters ([`ROUNDING`](super::place::ROUNDING)), the place is as good as any. Or after [`EVALUATIONS`].
 //! * **Outcome.** A hit where the place found lies on the piece or within [`NEAR_PX`] (or what f32 leaves) of its border, between the near
 //!   and the far plane. A miss where it lies beyond, or where no step promised enough. Anything else has not converged, and
 //!   says so.
 
-mod fold;
-
-pub use fold::{ASIDE, QUEUE, SAMPLES, SHORT};
-
-use crate::eval::{self, Basis, Derivatives};
-use crate::lanes::Lanes;
-use crate::layout::{FaceRecord, PieceRecord};
-use crate::packed::PackedScene;
-use crate::sight::{Footprint, NEAR_PX, NEARLY_SINGULAR, Sight, across, dot, is_shown, near_px, plane};
-use fold::Queue;
+use super::fold::{QUEUE, Queue, RESTARTS, again};
+use super::place::{Place, Problem, extent, is_edge_on, searched};
+use super::record::PieceRecord;
 use nurbs::MAX_ORDER;
+use pipeline::sight::{Footprint, NEAR_PX, NEARLY_SINGULAR, Sight, across, dot, is_shown, near_px, plane};
+use pipeline::{FaceRecord, PackedScene};
 use std::cell::Cell;
 
 /// Evaluations of S from one seed, at most.
@@ -52,19 +47,12 @@ pub const LAST_BEND_PX: f32 = 1.0 / 128.0;
 /// An offset that counts as none, pixels. At a silhouette Newton's step is long however small the offset.
 pub const FINE_PX: f32 = 1.0 / 1024.0;
 
-/// What f32 may leave of an offset, as a share of the pixels that the face's own frame measures: eight roundings of S, and of
-/// parameters that are at most 1.
-pub const ROUNDING: f32 = 1.0 / 2097152.0;
-
 /// The least share of the squared offset that a step must promise to take away.
 pub const PROMISE: f32 = 3.0 / 4.0;
 
 /// A step that takes less than this share of the squared offset away is as doubtful as one that promised little. Toward
 /// a double root Newton's step takes 15/16.
 pub const SLOW: f32 = 1.0 / 2.0;
-
-/// How far beyond the piece the search may go, as a share of it: there the polynomial goes on.
-pub const BEYOND: f32 = 1.0 / 8.0;
 
 /// How far inside the piece a seed stays, as a share of it: at a pole the derivatives tell no direction.
 pub const INSIDE: f32 = 1.0 / 16.0;
@@ -74,10 +62,6 @@ pub const ONE_SEED: f32 = 1.0 / 4.0;
 
 /// Halvings of one step: where none of them comes nearer, the offset has a minimum.
 pub const HALVINGS: u32 = 4;
-
-/// Below this sine of the angle between the ray and the piece, a piece counts as seen edge-on: as far as it turns, it
-/// may have a fold.
-pub const EDGE_ON: f32 = 3.0 / 8.0;
 
 /// The longest step where the piece is seen edge-on, as a share of it: a longer one might jump over a fold.
 pub const STEP_EDGE_ON: f32 = 1.0 / 2.0;
@@ -106,10 +90,6 @@ pub const NEAR_TWISTED_PX: f32 = 1.0 / 2.0;
 /// Only a twisted piece whose longer side measures more than this there, pixels: smaller ones are nearly met by every ray that
 /// meets a neighbour.
 pub const TWISTED_SIDE_PX: f32 = 16.0;
-
-/// Where a search from a seed of the hull ends behind the eye, or misses a [large](LARGE_PX) piece or
-/// [nearly](NEAR_TWISTED_PX) a twisted one, or has no answer, others begin at these shares of the piece.
-pub const RESTARTS: [[f32; 2]; 5] = [[0.5, 0.5], [0.125, 0.125], [0.125, 0.875], [0.875, 0.125], [0.875, 0.875]];
 
 /// Steps of those searches by the offset times w, which go first and are not weighed: in pixels all is small far off, so that
 /// near the eye less offset leads away from it; times w the offset is as flat as the piece.
@@ -141,42 +121,6 @@ pub struct Solution {
     pub outcome: Outcome,
     /// How often the surface was evaluated.
     pub evaluations: u32,
-}
-
-/// A place of the search.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    uv: [f32; 2],
-    w: f32,
-    /// Offset from the pixel, pixels; behind the eye, where w is not positive, this and all that follows are times w.
-    offset: [f32; 2],
-    /// Its square.
-    squared: f32,
-    /// The square of what f32 may leave of it.
-    rounding_squared: f32,
-    /// Derivative of the offset by u times the piece's extent in u.
-    along_u: [f32; 2],
-    /// The same for v.
-    along_v: [f32; 2],
-    /// The square of the piece's longer side in pixels, were it seen at a right angle.
-    side_squared: f32,
-    /// The square of the product of both sides.
-    sides_squared: f32,
-    /// Derivatives of the logarithm of w by u and v times the piece's extents.
-    recedes: [f32; 2],
-    /// z / w, and its derivatives by u and v times the piece's extents.
-    depth: [f32; 3],
-}
-
-/// A pixel's ray, and the piece that it may meet.
-struct Problem<'a> {
-    scene: &'a PackedScene,
-    piece: &'a PieceRecord,
-    sight: &'a Sight,
-    /// w where the ray comes into the hull, in front of the near plane.
-    nearest_w: f32,
-    degree: [usize; 2],
-    evaluations: Cell<u32>,
 }
 
 /// Where a search ended.
@@ -295,7 +239,7 @@ impl Problem<'_> {
             }
             if k < given && end.at.w > 0.0 && is_edge_on(&end.at) && !near(end.at.uv, before, ONE_END) {
                 let is_met = matches!(end.outcome, Outcome::Hit { .. });
-                fold::again::<CAPACITY>(self, &end.at, is_met, &mut queue);
+                again::<CAPACITY>(self, &end.at, is_met, &mut queue);
             }
             before = end.at.uv;
             k += 1;
@@ -362,44 +306,6 @@ impl Problem<'_> {
         End { outcome: stopped(piece, &best, false), at: best }
     }
 
-    #[inline(always)]
-    fn place<const CAPACITY: usize>(&self, uv: [f32; 2], is_divided: bool) -> Place {
-        let &Self { scene, piece, sight, degree, ref evaluations, .. } = self;
-        evaluations.set(evaluations.get() + 1);
-        let face = &scene.faces()[piece.face as usize];
-        let [span_u, span_v] = scene.spans(face, [piece.span_u, piece.span_v]);
-        let nu: Basis<CAPACITY, 1> = eval::basis(span_u.knots, degree[0], Lanes([uv[0]]), 1.0, false);
-        let nv: Basis<CAPACITY, 1> = eval::basis(span_v.knots, degree[1], Lanes([uv[1]]), 1.0, false);
-        let first = [span_u.first, span_v.first];
-        let d: Derivatives<1> = eval::surface(face, degree, scene.points(), first, &nu, &nv, false);
-        let [s, su, sv] = [d.s, d.su, d.sv].map(|x| x.map(|x| x.0[0]));
-        let extent = extent(piece);
-        let w = plane(&sight.w, s);
-        let divided = is_divided && w > 0.0;
-        let divisor = if divided { w } else { 1.0 };
-        let [x, y, depth] = [&sight.x, &sight.y, &sight.z].map(|p| plane(p, s) / divisor);
-        // Times w, the offset has slopes of its own.
-        let (offset, value) = ([x, y], if divided { [x, y, depth] } else { [0.0; 3] });
-        let along = |derivative, extent: f32| sight.along(value, derivative).map(|slope| slope * (extent / divisor));
-        let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
-        let squared_pixels = sight.squared_pixels(divisor);
-        let side_u = dot(su, su) * (extent[0] * extent[0]) * squared_pixels;
-        let side_v = dot(sv, sv) * (extent[1] * extent[1]) * squared_pixels;
-        Place {
-            uv,
-            w,
-            offset,
-            squared: offset[0] * offset[0] + offset[1] * offset[1],
-            rounding_squared: ROUNDING * ROUNDING * squared_pixels * (1.0 + (dot(su, su) + dot(sv, sv))),
-            along_u: [along_u[0], along_u[1]],
-            along_v: [along_v[0], along_v[1]],
-            side_squared: side_u.max(side_v),
-            sides_squared: side_u * side_v,
-            recedes: [along_u[3], along_v[3]],
-            depth: [depth, along_u[2], along_v[2]],
-        }
-    }
-
     /// Whether the piece measures more than [`LARGE_PX`] where the ray comes into its hull, by what it does at a place.
     #[inline(always)]
     fn is_large_near(&self, at: &Place) -> bool {
@@ -423,20 +329,6 @@ impl Problem<'_> {
 fn inside(piece: &PieceRecord, k: usize, t: f32) -> f32 {
     let margin = INSIDE * extent(piece)[k];
     t.max(piece.rectangle[k] + margin).min(piece.rectangle[2 + k] - margin)
-}
-
-/// The least and the greatest parameters to which the search may go.
-#[inline(always)]
-fn searched(piece: &PieceRecord) -> [[f32; 2]; 2] {
-    let extent = extent(piece);
-    [
-        [0, 1].map(|k| piece.rectangle[k] - BEYOND * extent[k]),
-        [0, 1].map(|k| piece.rectangle[2 + k] + BEYOND * extent[k]),
-    ]
-}
-
-fn extent(piece: &PieceRecord) -> [f32; 2] {
-    [piece.rectangle[2] - piece.rectangle[0], piece.rectangle[3] - piece.rectangle[1]]
 }
 
 /// Doubtful steps that a search takes after a step that promised much or not.
@@ -524,14 +416,6 @@ fn is_near_twisted(piece: &PieceRecord, at: &Place) -> bool {
         && at.squared <= NEAR_TWISTED_PX * NEAR_TWISTED_PX
         && at.side_squared > TWISTED_SIDE_PX * TWISTED_SIDE_PX
         && (0..2).any(|k| at.uv[k] <= low[k] || at.uv[k] >= high[k])
-}
-
-/// Whether the piece is seen nearly edge-on there: what the tangent plane says does not reach far.
-#[inline(always)]
-fn is_edge_on(at: &Place) -> bool {
-    let Place { along_u: a, along_v: b, .. } = *at;
-    let det = a[0] * b[1] - a[1] * b[0];
-    det * det < EDGE_ON * EDGE_ON * at.sides_squared
 }
 
 /// The step toward zero offset, as shares of the piece: at most one piece long, less where it is seen edge-on.

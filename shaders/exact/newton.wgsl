@@ -1,17 +1,15 @@
-// Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of crates/pipeline/src/newton.rs.
+// Ray ∩ piece by Newton's method, at a fragment of technique `exact`. Twin of crates/techniques/src/exact/newton.rs.
+// Uses exact/fold.wgsl exact/place.wgsl layout.wgsl eval.wgsl sight.wgsl
 
 const EVALUATIONS: u32 = 32u;
 const LAST_BEND_PX: f32 = 1.0 / 128.0;
 const FINE_PX: f32 = 1.0 / 1024.0;
-const ROUNDING: f32 = 1.0 / 2097152.0;
 const PROMISE: f32 = 3.0 / 4.0;
-const BEYOND: f32 = 1.0 / 8.0;
 const INSIDE: f32 = 1.0 / 16.0;
 const ONE_SEED: f32 = 1.0 / 4.0;
 const HALVINGS: u32 = 4u;
 const SLOW: f32 = 1.0 / 2.0;
 const STEP_EDGE_ON: f32 = 1.0 / 2.0;
-const EDGE_ON: f32 = 3.0 / 8.0;
 const PATIENCE: u32 = 4u;
 const PATIENCE_EDGE_ON: u32 = 1u;
 const NEAR_FOLD_PX: f32 = 1.0 / 4.0;
@@ -19,7 +17,6 @@ const ONE_END: f32 = 1.0 / 64.0;
 const LARGE_PX: f32 = 1024.0;
 const NEAR_TWISTED_PX: f32 = 1.0 / 2.0;
 const TWISTED_SIDE_PX: f32 = 16.0;
-const RESTARTS: u32 = 5u;
 const APPROACHES: u32 = 4u;
 const DAMPING: f32 = 1.0 / 1048576.0;
 
@@ -27,27 +24,10 @@ const HIT: u32 = 0u;
 const MISS: u32 = 1u;
 const UNCONVERGED: u32 = 2u;
 
-// How often the thread has evaluated the surface.
-var<private> evaluations: u32;
-
 struct Outcome {
     status: u32,
     uv: vec2<f32>,
     depth: f32,
-}
-
-struct Place {
-    uv: vec2<f32>,
-    w: f32,
-    offset: vec2<f32>,
-    squared: f32,
-    rounding_squared: f32,
-    along_u: vec2<f32>,
-    along_v: vec2<f32>,
-    side_squared: f32,
-    sides_squared: f32,
-    recedes: vec2<f32>,
-    depth: vec3<f32>,
 }
 
 struct End {
@@ -199,10 +179,6 @@ fn inside(piece: PieceRecord, uv: vec2<f32>) -> vec2<f32> {
     return min(max(uv, piece.rectangle.xy + margin), piece.rectangle.zw - margin);
 }
 
-fn extent(piece: PieceRecord) -> vec2<f32> {
-    return piece.rectangle.zw - piece.rectangle.xy;
-}
-
 fn search(piece: PieceRecord, s: Sight, seed: vec2<f32>, approaches: u32) -> End {
     let size = extent(piece);
     let low = piece.rectangle.xy - BEYOND * size;
@@ -299,44 +275,6 @@ fn moved(at: Place, step: vec2<f32>) -> vec2<f32> {
     return at.along_u * step.x + at.along_v * step.y;
 }
 
-fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>, is_divided: bool) -> Place {
-    evaluations += 1u;
-    let face = faces[piece.face];
-    let p = degree(face.degree_u);
-    let q = degree(face.degree_v);
-    let span_u = span_of(face.table_u, face.spans_u, p, piece.span_u);
-    let span_v = span_of(face.table_v, face.spans_v, q, piece.span_v);
-    var nu = basis(span_u.knots, p, uv.x, 1.0, false);
-    var nv = basis(span_v.knots, q, uv.y, 1.0, false);
-    let d = surface(face, p, q, vec2<u32>(span_u.first, span_v.first), &nu, &nv, false);
-    let size = extent(piece);
-    let w = plane(s.w, d.s);
-    var out: Place;
-    out.uv = uv;
-    out.w = w;
-    let divided = is_divided && w > 0.0;
-    let divisor = select(1.0, w, divided);
-    out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / divisor;
-    out.squared = dot(out.offset, out.offset);
-    let pixels = squared_pixels(s, divisor);
-    out.rounding_squared = ROUNDING * ROUNDING * pixels * (1.0 + (dot(d.su, d.su) + dot(d.sv, d.sv)));
-    let side_u = dot(d.su, d.su) * (size.x * size.x) * pixels;
-    let side_v = dot(d.sv, d.sv) * (size.y * size.y) * pixels;
-    out.side_squared = max(side_u, side_v);
-    out.sides_squared = side_u * side_v;
-    out.depth.x = plane(s.z, d.s) / divisor;
-    // Times w, the offset has slopes of its own.
-    let value = select(vec3<f32>(), vec3<f32>(out.offset, out.depth.x), divided);
-    let along_u = along(s, value, d.su) * (size.x / divisor);
-    let along_v = along(s, value, d.sv) * (size.y / divisor);
-    out.along_u = along_u.xy;
-    out.along_v = along_v.xy;
-    out.recedes = vec2<f32>(along_u.w, along_v.w);
-    out.depth.y = along_u.z;
-    out.depth.z = along_v.z;
-    return out;
-}
-
 fn slid(at: Place, step: vec2<f32>, low: vec2<f32>, high: vec2<f32>) -> vec2<f32> {
     let leaves = ((at.uv <= low) & (step < vec2<f32>())) | ((at.uv >= high) & (step > vec2<f32>()));
     if (leaves.x && leaves.y) {
@@ -357,11 +295,6 @@ fn least_along(along: vec2<f32>, offset: vec2<f32>) -> f32 {
         return 0.0;
     }
     return min(max(-dot(along, offset) / squared, -1.0), 1.0);
-}
-
-fn is_edge_on(at: Place) -> bool {
-    let det = at.along_u.x * at.along_v.y - at.along_u.y * at.along_v.x;
-    return det * det < EDGE_ON * EDGE_ON * at.sides_squared;
 }
 
 fn newton_step(at: Place) -> vec2<f32> {

@@ -4,12 +4,12 @@
 //! the piece and so, by the convex hull property, the piece. It is grown by [`GROW_PX`] pixels at its farthest depth,
 //! so that no snapping of its corners keeps a pixel from it whose centre sees the surface.
 
-use crate::layout::PieceRecord;
-use crate::newton::PATIENCE;
-use crate::packed::PackedScene;
+use super::newton::PATIENCE;
+use super::record::PieceRecord;
 use crate::patches::patches_on;
 use glam::DVec3;
 use nurbs::{BezierPatch, Hull};
+use pipeline::PackedScene;
 use std::ops::Range;
 
 /// How far a piece may turn along either parameter, radians: the second differences of its control points over the

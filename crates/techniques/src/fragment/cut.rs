@@ -1,10 +1,10 @@
 //! Fragments of a face that loops bound, before the depth test: those whose face does not cover the pixel leave it to what
 //! lies behind. They wait for each other, since the program runs fastest on many that follow each other on a face.
 
-use crate::Rasterizer;
-use crate::depth::DepthTile;
 use pipeline::fragment::{TangentPlane, tangent_plane, tangent_planes};
 use pipeline::{BOUNDED, Parameters, Sight};
+use raster::Drawing;
+use raster::depth::DepthTile;
 
 /// How many may wait: enough to fill the program's lanes, and few enough that what they hide is soon known to be hidden.
 const MOST: usize = 64;
@@ -29,14 +29,14 @@ impl Waiting {
     /// Adds a fragment of `face` at pixel `at`, whose depth and owner go to `tile` if the face covers its centre.
     pub fn add(
         &mut self,
-        raster: &Rasterizer,
+        drawing: &Drawing,
         tile: &mut DepthTile,
         face: u32,
         place: Parameters,
         (at, depth, owner): ([i32; 2], f32, u32),
     ) {
         if face != self.face || self.samples.len() == MOST {
-            self.decide(raster, tile);
+            self.decide(drawing, tile);
             self.face = face;
         }
         self.samples.push(Sample { at, depth, owner });
@@ -44,13 +44,12 @@ impl Waiting {
     }
 
     /// Decides about all that wait.
-    pub fn decide(&mut self, raster: &Rasterizer, tile: &mut DepthTile) {
-        let drawing = &raster.drawing;
+    pub fn decide(&mut self, drawing: &Drawing, tile: &mut DepthTile) {
         if !self.samples.is_empty() {
             tangent_planes(drawing.scene, self.face, &self.places, &mut self.planes);
         }
         for (&Sample { at: [x, y], depth, owner }, plane) in self.samples.iter().zip(&self.planes) {
-            if tile.passes(x, y, depth) && covers(raster, self.face, plane, [x as f32 + 0.5, y as f32 + 0.5]) {
+            if tile.passes(x, y, depth) && covers(drawing, self.face, plane, [x as f32 + 0.5, y as f32 + 0.5]) {
                 tile.test(x, y, depth, owner);
             }
         }
@@ -61,26 +60,24 @@ impl Waiting {
 }
 
 /// Whether a fragment of a face, interpolated at picture position `at`, covers it: it is not cut away.
-pub fn is_drawn(raster: &Rasterizer, face: u32, place: Parameters, at: [f32; 2]) -> bool {
-    !is_bounded(raster, face) || covers(raster, face, &tangent_plane(raster.drawing.scene, face, place), at)
+pub fn is_drawn(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2]) -> bool {
+    !is_bounded(drawing, face) || covers(drawing, face, &tangent_plane(drawing.scene, face, place), at)
 }
 
 /// Where a fragment of a face, interpolated at picture position `at`, shows it.
-pub fn shown(raster: &Rasterizer, face: u32, place: Parameters, at: [f32; 2]) -> Parameters {
-    let drawing = &raster.drawing;
-    if is_bounded(raster, face) {
+pub fn shown(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2]) -> Parameters {
+    if is_bounded(drawing, face) {
         Sight::new(&drawing.views[face as usize], at).place(drawing.scene, face, place)
     } else {
         place
     }
 }
 
-fn covers(raster: &Rasterizer, face: u32, plane: &TangentPlane, at: [f32; 2]) -> bool {
-    let drawing = &raster.drawing;
+fn covers(drawing: &Drawing, face: u32, plane: &TangentPlane, at: [f32; 2]) -> bool {
     Sight::new(&drawing.views[face as usize], at).shows(drawing.scene, face, plane)
 }
 
 /// Whether some fragments of a face may be cut away.
-pub fn is_bounded(raster: &Rasterizer, face: u32) -> bool {
-    raster.drawing.scene.faces()[face as usize].flags & BOUNDED != 0
+pub fn is_bounded(drawing: &Drawing, face: u32) -> bool {
+    drawing.scene.faces()[face as usize].flags & BOUNDED != 0
 }

@@ -1,4 +1,4 @@
-//! Where a ray that met a piece near a fold, or passed it there, may meet it again. Twin of `shaders/fold.wgsl`.
+//! Where a ray that met a piece near a fold, or passed it there, may meet it again. Twin of `shaders/exact/fold.wgsl`.
 //!
 //! Near a fold both derivatives of the offset run along one line, nearly. On a curve through the piece the offset keeps
 //! to the direction of the stronger one but for its **height** above that line, so the ray meets the piece where the
@@ -7,7 +7,10 @@
 //! its values and slopes at the start and where the curve leaves the piece. Where the cubic changes its sign, the next
 //! search begins; a root that is known already is divided out before.
 
-use super::{BEYOND, Place, Problem, RESTARTS, extent, searched};
+use super::place::{BEYOND, Place, Problem, extent, searched};
+
+/// Searches begin again at these shares of a piece: in its middle, and near its corners.
+pub const RESTARTS: [[f32; 2]; 5] = [[0.5, 0.5], [0.125, 0.125], [0.125, 0.875], [0.875, 0.125], [0.875, 0.875]];
 
 /// Room for the two seeds that the hull gives and, for the end of each, the three roots of the cubics on either side; and for the
 /// restarts.
@@ -23,8 +26,10 @@ pub const ASIDE: f32 = 1.0 / 16.0;
 pub const SHORT: f32 = 1.0 / 8.0;
 
 /// Seeds of searches, in their order.
-pub(super) struct Queue {
+pub struct Queue {
+    /// Of these the first `count`.
     pub seeds: [[f32; 2]; QUEUE],
+    /// How many there are.
     pub count: usize,
 }
 
@@ -40,7 +45,7 @@ impl Queue {
 
 /// Adds seeds where the piece is met again, as far as can be told from the `end` of a search.
 #[inline(always)]
-pub(super) fn again<const CAPACITY: usize>(problem: &Problem, end: &Place, is_met: bool, queue: &mut Queue) {
+pub fn again<const CAPACITY: usize>(problem: &Problem, end: &Place, is_met: bool, queue: &mut Queue) {
     let extent = extent(problem.piece);
     let rectangle = &problem.piece.rectangle;
     let mut start = *end;

@@ -1,9 +1,9 @@
 //! How many cells a face is cut into, and the chord error that they come to.
 
 use super::bounds::Bounds;
-use crate::packed::PackedFrame;
 use crate::patches::{patches_on, spans_of};
 use nurbs::{DerivativeBounds, Surface};
+use pipeline::PackedFrame;
 use scene::Region;
 use std::ops::Range;
 

@@ -1,6 +1,7 @@
 // Entry points of technique `exact`: compute kernels, run in the order in which they stand here. No fragment stage is
 // fit for it: a search writes its own depth, so that nothing hidden is culled early, and hulls overlap.
-// Host: crates/gpu/src/exact.rs.
+// Host: crates/techniques/src/exact/gpu.rs.
+// Uses exact/newton.wgsl exact/place.wgsl layout.wgsl fragment.wgsl sight.wgsl output.wgsl
 
 const WORKGROUP: u32 = 64u;
 // Threads that share a small hull, and the pixels of its rectangle at most.

@@ -1,9 +1,8 @@
 //! The corners of a tessellation: a grid a span, with a skirt where loops bound the face.
 
-use crate::layout::{Parameters, SEARCHED, Vertex};
-use crate::packed::PackedScene;
 use glam::DVec2;
 use nurbs::Surface;
+use pipeline::{PackedScene, Parameters, SEARCHED, Vertex};
 use scene::{FaceId, Model, Region};
 use std::ops::Range;
 

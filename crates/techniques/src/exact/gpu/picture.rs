@@ -1,13 +1,12 @@
 //! What the kernels of technique `exact` keep of one picture: the meetings of rays and pieces, and what each pixel shows.
 
-use super::{Exact, first_target};
-use crate::pass::Targets;
-use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
+use gpu::{Device, GpuError, Output, Targets};
+use pipeline::Program;
 use scene::Viewport;
 use wgpu::BufferUsages;
 
-/// Pixels a word of the bits in `Picture` of `shaders/entry_exact.wgsl`.
+/// Pixels a word of the bits in `Picture` of `shaders/exact/entry.wgsl`.
 const WORD: usize = 32;
 
 /// Words before those of the pixels there: the most meetings, and their number.
@@ -23,7 +22,7 @@ const MEETINGS_A_PIXEL: u64 = 2;
 /// Distance of the batches in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
 pub(super) const BATCH_STRIDE: u32 = 256;
 
-/// `Batch` in `shaders/entry_exact.wgsl`, filled up to [`BATCH_STRIDE`].
+/// `Batch` in `shaders/exact/entry.wgsl`, filled up to [`BATCH_STRIDE`].
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct BatchUniform {
@@ -37,8 +36,39 @@ struct BatchUniform {
     padding: [u32; 57],
 }
 
+/// The pieces of a program, in drawing order.
+#[derive(Clone, Copy)]
+pub struct Range {
+    /// The program.
+    pub program: Program,
+    /// Its first piece.
+    pub first: u32,
+    /// How many it has.
+    pub count: u32,
+}
+
+/// What all pictures share.
+pub struct Shared {
+    /// The pieces.
+    pub pieces: wgpu::Buffer,
+    /// Their hulls.
+    pub hulls: wgpu::Buffer,
+    /// The pieces of each program.
+    pub ranges: Vec<Range>,
+    /// Of group 1 of every kernel.
+    pub layout: wgpu::BindGroupLayout,
+}
+
+/// Binding of the first target of an output.
+pub fn first_target(output: Output) -> u32 {
+    match output {
+        Output::GBuffer => 0,
+        Output::Shaded => 4,
+    }
+}
+
 /// Buffers and groups of one picture.
-pub(crate) struct Picture {
+pub struct Picture {
     /// Pieces, hulls, and what follows; the batch by a dynamic offset.
     pub(super) group: wgpu::BindGroup,
     /// The textures to be written.
@@ -50,18 +80,25 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
-    pub(super) fn new(device: &Device, exact: &Exact, targets: &Targets) -> Result<Self, GpuError> {
+    /// One that has room for `capacity` meetings at least; `layout` is that of its targets.
+    pub(super) fn new(
+        device: &Device,
+        shared: &Shared,
+        capacity: u64,
+        targets: &Targets,
+        layout: &wgpu::BindGroupLayout,
+    ) -> Result<Self, GpuError> {
         let viewport = targets.viewport;
         let pixels = viewport.pixels();
         let unconverged = 2 * pixels;
         let evaluations = unconverged + pixels.div_ceil(WORD);
         let large = evaluations + pixels;
-        let words = 4 * (HEAD + large + exact.ranges.len()) as u64;
+        let words = 4 * (HEAD + large + shared.ranges.len()) as u64;
         let words = device.empty("the pixels", words)?;
         let wanted = MEETINGS_A_PIXEL * pixels as u64;
-        let capacity = within_limits(device, exact.capacity, wanted.max(exact.capacity))?;
+        let capacity = within_limits(device, capacity, wanted.max(capacity))?;
         let meetings = device.empty("meetings of rays and pieces", capacity * MEETING_BYTES)?;
-        let batch = |(index, range): (usize, &super::Range)| BatchUniform {
+        let batch = |(index, range): (usize, &Range)| BatchUniform {
             first: range.first,
             count: range.count,
             width: viewport.width() as u32,
@@ -71,22 +108,21 @@ impl Picture {
             large: (large + index) as u32,
             padding: [0; 57],
         };
-        let mut batches: Vec<_> = exact.ranges.iter().enumerate().map(batch).collect();
+        let mut batches: Vec<_> = shared.ranges.iter().enumerate().map(batch).collect();
         if batches.is_empty() {
             batches.push(Zeroable::zeroed());
         }
         let batches = device.buffer("batches", BufferUsages::UNIFORM, bytemuck::cast_slice(&batches))?;
         let (group, targets) = device.guarded("setting up", || {
-            let whole = [&exact.pieces, &exact.hulls, &words, &meetings].map(|buffer| buffer.as_entire_binding());
+            let whole = [&shared.pieces, &shared.hulls, &words, &meetings].map(|buffer| buffer.as_entire_binding());
             let one = wgpu::BufferBinding {
                 buffer: &batches,
                 offset: 0,
                 size: wgpu::BufferSize::new(u64::from(BATCH_STRIDE)),
             };
-            let shared = whole.into_iter().chain([wgpu::BindingResource::Buffer(one)]);
-            let group = bound(device, "pieces", &exact.layout, 0, shared);
+            let all = whole.into_iter().chain([wgpu::BindingResource::Buffer(one)]);
+            let group = bound(device, "pieces", &shared.layout, 0, all);
             let views = targets.colour_views.iter().map(wgpu::BindingResource::TextureView);
-            let layout = &exact.resolve_layouts[&targets.output].0;
             (group, bound(device, "targets", layout, first_target(targets.output), views))
         })?;
         Ok(Self { group, targets, words, capacity, viewport })
@@ -105,7 +141,7 @@ impl Picture {
     }
 
     /// The pixels (x, y) in which a search has not converged.
-    pub(crate) fn unconverged(&self, device: &Device) -> Result<Vec<(usize, usize)>, GpuError> {
+    pub fn unconverged(&self, device: &Device) -> Result<Vec<(usize, usize)>, GpuError> {
         let (width, count) = (self.viewport.width(), self.viewport.pixels());
         let mut words = vec![0u32; count.div_ceil(WORD)];
         let offset = 4 * (HEAD + 2 * count) as u64;
@@ -116,7 +152,7 @@ impl Picture {
     }
 
     /// How often the surface was evaluated for each pixel, row-major.
-    pub(crate) fn evaluations(&self, device: &Device) -> Result<Vec<u32>, GpuError> {
+    pub fn evaluations(&self, device: &Device) -> Result<Vec<u32>, GpuError> {
         let count = self.viewport.pixels();
         let mut words = vec![0u32; count];
         let offset = 4 * (HEAD + 2 * count + count.div_ceil(WORD)) as u64;

@@ -1,6 +1,8 @@
 // Where a ray that met a piece near a fold, or passed it there, may meet it again. Twin of
-// crates/pipeline/src/newton/fold.rs.
+// crates/techniques/src/exact/fold.rs.
+// Uses exact/place.wgsl layout.wgsl sight.wgsl
 
+const RESTARTS: u32 = 5u;
 const QUEUE: u32 = 19u;
 const SAMPLES: u32 = 8u;
 const ASIDE: f32 = 1.0 / 16.0;

@@ -1,5 +1,6 @@
 // Entry points of technique `fragment`. The vertex stage places a triangle's corners; the fragment stage runs the
 // program at the interpolated (u, v).
+// Uses layout.wgsl eval.wgsl fragment.wgsl sight.wgsl output.wgsl
 
 struct VertexInput {
     @location(0) position: vec3<f32>,

@@ -1,19 +1,30 @@
-//! Technique `exact` on the device: the compute kernels of `shaders/entry_exact.wgsl`, and what they share.
+//! Technique `exact` on the device: the compute kernels of `shaders/exact/entry.wgsl`, and what they share.
 
 mod picture;
 
-pub(crate) use picture::Picture;
-
-use crate::buffers::SceneBuffers;
-use crate::pass::{DepthOrder, Modules, Output, Targets, as_shader_error};
-use crate::queries::Stamps;
-use crate::{Device, GpuError};
+use self::picture::{Picture, Range, Shared, first_target};
+use super::hulls::{CORNERS, Hulls, INDICES};
 use bytemuck::{Pod, Zeroable};
-use pipeline::{Program, Proxy};
+use gpu::{
+    DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets,
+    as_shader_error,
+};
+use pipeline::Program;
+use pipeline::wgsl::Part;
 use std::collections::HashMap;
-use wgpu::{BufferBindingType, ShaderStages};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use wgpu::{BufferBindingType, ShaderStages, TextureUsages};
 
-/// Threads of a workgroup, those of a small hull, and the side of a tile in `shaders/entry_exact.wgsl`.
+/// Kernels `bound_hulls`, `meet_small`, `meet_large`, `choose`, `resolve_gbuffer` and `resolve_shaded`, and the search.
+pub(super) const PARTS: &[Part] = &[
+    Part { file: "exact/entry.wgsl", text: include_str!("../../../../shaders/exact/entry.wgsl") },
+    Part { file: "exact/newton.wgsl", text: include_str!("../../../../shaders/exact/newton.wgsl") },
+    Part { file: "exact/fold.wgsl", text: include_str!("../../../../shaders/exact/fold.wgsl") },
+    Part { file: "exact/place.wgsl", text: include_str!("../../../../shaders/exact/place.wgsl") },
+];
+
+/// Threads of a workgroup, those of a small hull, and the side of a tile in `shaders/exact/entry.wgsl`.
 const WORKGROUP: u32 = 64;
 const LANES: u32 = 8;
 const TILE: u32 = 8;
@@ -24,23 +35,12 @@ const ROW: u32 = 65_535;
 /// Workgroups of the kernels whose threads share work of unknown size: enough to fill the largest chips.
 const SHARING: u32 = 16_384;
 
-/// Indices of a hull in a proxy.
-const INDICES_A_PIECE: u32 = 36;
-
-/// `Hull` in `shaders/entry_exact.wgsl`; all but the corners is written by the device.
+/// `Hull` in `shaders/exact/entry.wgsl`; all but the corners is written by the device.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct HullRecord {
     corners: [[f32; 4]; 8],
     written: [u32; 8],
-}
-
-/// The pieces of a program, in drawing order.
-#[derive(Clone, Copy)]
-struct Range {
-    program: Program,
-    first: u32,
-    count: u32,
 }
 
 /// An entry point.
@@ -66,31 +66,21 @@ impl Kernel {
     }
 }
 
-/// The pieces on the device, and what finds them in pixels.
-pub(crate) struct Exact {
-    depth: DepthOrder,
-    pieces: wgpu::Buffer,
-    hulls: wgpu::Buffer,
-    ranges: Vec<Range>,
-    layout: wgpu::BindGroupLayout,
-    /// Of the kernels that write no target.
-    search_layout: wgpu::PipelineLayout,
-    /// Group and pipeline layout of the kernels that write the targets of an output.
-    resolve_layouts: HashMap<Output, (wgpu::BindGroupLayout, wgpu::PipelineLayout)>,
-    /// Made when first needed: a driver may take seconds to compile one.
-    pipelines: HashMap<(Program, Kernel), wgpu::ComputePipeline>,
-    /// Meetings that a picture has room for at least: as many as one has had.
-    capacity: u64,
-}
+impl Drawable for Hulls {
+    fn technique(&self) -> &'static str {
+        super::NAME
+    }
 
-impl Exact {
-    pub(crate) fn new(
-        device: &Device,
-        scene: &SceneBuffers,
-        proxy: &Proxy,
-        depth: DepthOrder,
-    ) -> Result<Self, GpuError> {
-        let (pieces, hulls) = upload(device, proxy)?;
+    fn parts(&self) -> &'static [Part] {
+        PARTS
+    }
+
+    fn stages(&self) -> ShaderStages {
+        ShaderStages::COMPUTE
+    }
+
+    fn pass(&self, device: &Device, scene: &SceneBuffers, depth: DepthOrder) -> Result<Box<dyn Pass>, GpuError> {
+        let (pieces, hulls) = upload(device, self)?;
         let (layout, search_layout, resolve_layouts) = device.guarded("setting up", || {
             let layout = group_layout(device, "pieces", shared_bindings());
             let pipeline_layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
@@ -108,56 +98,32 @@ impl Exact {
             });
             (layout, search_layout, HashMap::from(resolve_layouts))
         })?;
-        Ok(Self {
+        Ok(Box::new(Search {
             depth,
-            pieces,
-            hulls,
-            ranges: ranges(proxy),
-            layout,
+            shared: Shared { pieces, hulls, ranges: ranges(self), layout },
             search_layout,
             resolve_layouts,
             pipelines: HashMap::new(),
-            capacity: 0,
-        })
+            capacity: Arc::new(AtomicU64::new(0)),
+        }))
     }
+}
 
-    /// Takes other pieces of the same scene.
-    pub(crate) fn set_proxy(&mut self, device: &Device, proxy: &Proxy) -> Result<(), GpuError> {
-        (self.pieces, self.hulls) = upload(device, proxy)?;
-        self.ranges = ranges(proxy);
-        Ok(())
-    }
+/// The pieces on the device, and what finds them in pixels.
+struct Search {
+    depth: DepthOrder,
+    shared: Shared,
+    /// Of the kernels that write no target.
+    search_layout: wgpu::PipelineLayout,
+    /// Group and pipeline layout of the kernels that write the targets of an output.
+    resolve_layouts: HashMap<Output, (wgpu::BindGroupLayout, wgpu::PipelineLayout)>,
+    /// Made when first needed: a driver may take seconds to compile one.
+    pipelines: HashMap<(Program, Kernel), wgpu::ComputePipeline>,
+    /// Meetings that a picture has room for at least: as many as one has had.
+    capacity: Arc<AtomicU64>,
+}
 
-    /// Uploads the pieces and hulls that differ between two proxies, or all where there are not as many; says how many
-    /// bytes that is.
-    pub(crate) fn write_changes(&mut self, device: &Device, before: &Proxy, after: &Proxy) -> Result<u64, GpuError> {
-        let [old, new] = [before, after].map(hull_records);
-        if before.pieces.len() != after.pieces.len() || before.batches != after.batches {
-            self.set_proxy(device, after)?;
-            return Ok((size_of_val(&after.pieces[..]) + size_of_val(&new[..])) as u64);
-        }
-        let [a, b] = [before, after].map(|proxy| bytemuck::cast_slice(&proxy.pieces));
-        let pieces = device.write_changes("pieces", &self.pieces, a, b)?;
-        let hulls =
-            device.write_changes("hulls", &self.hulls, bytemuck::cast_slice(&old), bytemuck::cast_slice(&new))?;
-        Ok(pieces + hulls)
-    }
-
-    /// Compiles the pipelines that are not there yet.
-    pub(crate) fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
-        let kernels =
-            [Kernel::BoundHulls, Kernel::MeetSmall, Kernel::MeetLarge, Kernel::Choose, Kernel::Resolve(output)];
-        for (&program, module) in modules {
-            for kernel in kernels {
-                if !self.pipelines.contains_key(&(program, kernel)) {
-                    let pipeline = self.pipeline(device, program, module, kernel)?;
-                    self.pipelines.insert((program, kernel), pipeline);
-                }
-            }
-        }
-        Ok(())
-    }
-
+impl Search {
     fn pipeline(
         &self,
         device: &Device,
@@ -183,35 +149,78 @@ impl Exact {
             .guarded("compiling a pipeline", || device.wgpu.create_compute_pipeline(&descriptor))
             .map_err(|error| as_shader_error(error, program, kernel.entry()))
     }
+}
 
-    /// What a picture of these targets needs besides them.
-    pub(crate) fn picture(&self, device: &Device, targets: &Targets) -> Result<Picture, GpuError> {
-        Picture::new(device, self, targets)
+impl Pass for Search {
+    fn usage(&self) -> TextureUsages {
+        TextureUsages::STORAGE_BINDING
     }
 
-    /// Whether a picture had room for all its meetings. Otherwise the next one has room for more.
-    ///
-    /// # Errors
-    /// [`GpuError::Limit`] where the adapter has no room for as many.
-    pub(crate) fn had_room(&mut self, device: &Device, picture: &Picture) -> Result<bool, GpuError> {
-        let most = picture.most(device)?;
-        if most <= picture.capacity {
-            return Ok(true);
+    fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
+        let kernels =
+            [Kernel::BoundHulls, Kernel::MeetSmall, Kernel::MeetLarge, Kernel::Choose, Kernel::Resolve(output)];
+        for (&program, module) in modules {
+            for kernel in kernels {
+                if !self.pipelines.contains_key(&(program, kernel)) {
+                    let pipeline = self.pipeline(device, program, module, kernel)?;
+                    self.pipelines.insert((program, kernel), pipeline);
+                }
+            }
         }
-        // Which meetings are found to be hidden depends on the order of work, so their number does.
-        self.capacity = picture::within_limits(device, most, most + most / 2)?;
-        Ok(false)
+        Ok(())
     }
 
-    /// Commands that clear the targets, look for every piece, and resolve the nearest.
-    pub(crate) fn encode(
+    fn frame(&self, device: &Device, targets: &Targets) -> Result<Box<dyn Frame>, GpuError> {
+        let layout = &self.resolve_layouts[&targets.output].0;
+        let picture = Picture::new(device, &self.shared, self.capacity.load(Relaxed), targets, layout)?;
+        let (ranges, pipelines) = (self.shared.ranges.clone(), self.pipelines.clone());
+        Ok(Box::new(Searched { ranges, pipelines, picture, capacity: self.capacity.clone() }))
+    }
+
+    fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
+        let hulls = drawn.of::<Hulls>(super::NAME)?;
+        (self.shared.pieces, self.shared.hulls) = upload(device, hulls)?;
+        self.shared.ranges = ranges(hulls);
+        Ok(())
+    }
+
+    /// All of them where there are not as many.
+    fn write_changes(&mut self, device: &Device, before: &dyn Drawable, after: &dyn Drawable) -> Result<u64, GpuError> {
+        let (before, after) = (before.of::<Hulls>(super::NAME)?, after.of::<Hulls>(super::NAME)?);
+        let [old, new] = [before, after].map(hull_records);
+        if before.pieces.len() != after.pieces.len() || before.mesh.batches != after.mesh.batches {
+            self.set(device, after)?;
+            return Ok((size_of_val(&after.pieces[..]) + size_of_val(&new[..])) as u64);
+        }
+        let [a, b] = [before, after].map(|hulls| bytemuck::cast_slice(&hulls.pieces));
+        let pieces = device.write_changes("pieces", &self.shared.pieces, a, b)?;
+        let hulls = device.write_changes(
+            "hulls",
+            &self.shared.hulls,
+            bytemuck::cast_slice(&old),
+            bytemuck::cast_slice(&new),
+        )?;
+        Ok(pieces + hulls)
+    }
+}
+
+/// One picture of what is searched for.
+struct Searched {
+    ranges: Vec<Range>,
+    pipelines: HashMap<(Program, Kernel), wgpu::ComputePipeline>,
+    picture: Picture,
+    capacity: Arc<AtomicU64>,
+}
+
+impl Frame for Searched {
+    fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         scene: &SceneBuffers,
         targets: &Targets,
-        picture: &Picture,
         stamps: Option<Stamps<'_>>,
     ) {
+        let picture = &self.picture;
         drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clear"),
             color_attachments: &targets.cleared(),
@@ -259,6 +268,24 @@ impl Exact {
             run(Kernel::Resolve(targets.output), index, range.program, tiles);
         }
     }
+
+    fn had_room(&self, device: &Device) -> Result<bool, GpuError> {
+        let most = self.picture.most(device)?;
+        if most <= self.picture.capacity {
+            return Ok(true);
+        }
+        // Which meetings are found to be hidden depends on the order of work, so their number does.
+        self.capacity.store(picture::within_limits(device, most, most + most / 2)?, Relaxed);
+        Ok(false)
+    }
+
+    fn undecided(&self, device: &Device) -> Result<Vec<(usize, usize)>, GpuError> {
+        self.picture.unconverged(device)
+    }
+
+    fn evaluations(&self, device: &Device) -> Result<Option<Vec<u32>>, GpuError> {
+        self.picture.evaluations(device).map(Some)
+    }
 }
 
 /// Workgroups for `count` pieces, so many a group, in rows of equal length.
@@ -267,26 +294,26 @@ fn grid(count: u32, a_group: u32) -> [u32; 2] {
     [groups.min(ROW), groups.div_ceil(ROW)]
 }
 
-/// The pieces that each batch of a proxy draws.
-fn ranges(proxy: &Proxy) -> Vec<Range> {
-    let pieces = proxy.pieces.len() as u32;
-    let piece = |index: u32| (index / INDICES_A_PIECE).min(pieces);
+/// The pieces that each batch of hulls draws.
+fn ranges(hulls: &Hulls) -> Vec<Range> {
+    let pieces = hulls.pieces.len() as u32;
+    let piece = |index: u32| (index / INDICES as u32).min(pieces);
     let range = |batch: &pipeline::Batch| {
         let first = piece(batch.first);
         Range { program: batch.program, first, count: piece(batch.first + batch.count) - first }
     };
-    proxy.batches.iter().map(range).filter(|range| range.count > 0).collect()
+    hulls.mesh.batches.iter().map(range).filter(|range| range.count > 0).collect()
 }
 
-fn upload(device: &Device, proxy: &Proxy) -> Result<(wgpu::Buffer, wgpu::Buffer), GpuError> {
+fn upload(device: &Device, hulls: &Hulls) -> Result<(wgpu::Buffer, wgpu::Buffer), GpuError> {
     Ok((
-        device.storage("pieces", bytemuck::cast_slice(&proxy.pieces))?,
-        device.storage("hulls", bytemuck::cast_slice(&hull_records(proxy)))?,
+        device.storage("pieces", bytemuck::cast_slice(&hulls.pieces))?,
+        device.storage("hulls", bytemuck::cast_slice(&hull_records(hulls)))?,
     ))
 }
 
-/// The hulls of a proxy as they are uploaded.
-fn hull_records(proxy: &Proxy) -> Vec<HullRecord> {
+/// Hulls as they are uploaded.
+fn hull_records(hulls: &Hulls) -> Vec<HullRecord> {
     let record = |corners: &[pipeline::Vertex]| {
         let corner = |i: usize| {
             let [x, y, z] = corners[i].position;
@@ -294,7 +321,7 @@ fn hull_records(proxy: &Proxy) -> Vec<HullRecord> {
         };
         HullRecord { corners: std::array::from_fn(corner), written: [0; 8] }
     };
-    proxy.vertices.chunks_exact(8).map(record).collect()
+    hulls.mesh.vertices.chunks_exact(CORNERS).map(record).collect()
 }
 
 fn group_layout(device: &Device, label: &str, bindings: Vec<(u32, wgpu::BindingType)>) -> wgpu::BindGroupLayout {
@@ -322,25 +349,17 @@ fn target_bindings(output: Output) -> Vec<(u32, wgpu::BindingType)> {
     (first_target(output)..).zip(output.formats().iter().map(texture)).collect()
 }
 
-/// Binding of the first target of an output.
-fn first_target(output: Output) -> u32 {
-    match output {
-        Output::GBuffer => 0,
-        Output::Shaded => 4,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use naga::TypeInner;
+    use pipeline::TrimMethod;
     use pipeline::wgsl::{self, Variant};
-    use pipeline::{Technique, TrimMethod};
 
     #[test]
     fn records_and_workgroups_are_those_of_the_shader() {
         let variant = Variant {
-            technique: Technique::Exact,
+            parts: PARTS,
             program: Program::Degree(3),
             curvature: false,
             interpolated_normal: false,

@@ -1,0 +1,125 @@
+//! A piece at one place of a search: where it is seen from a pixel, and how that changes. Twin of `shaders/exact/place.wgsl`.
+
+use super::record::PieceRecord;
+use pipeline::eval::{self, Basis, Derivatives};
+use pipeline::sight::{Sight, dot, plane};
+use pipeline::{Lanes, PackedScene};
+use std::cell::Cell;
+
+/// What f32 may leave of an offset, as a share of the pixels that the face's own frame measures: eight roundings of S, and of
+/// parameters that are at most 1.
+pub const ROUNDING: f32 = 1.0 / 2097152.0;
+
+/// How far beyond the piece the search may go, as a share of it: there the polynomial goes on.
+pub const BEYOND: f32 = 1.0 / 8.0;
+
+/// Below this sine of the angle between the ray and the piece, a piece counts as seen edge-on: as far as it turns, it
+/// may have a fold.
+pub const EDGE_ON: f32 = 3.0 / 8.0;
+
+/// A place of the search.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// Parameters of the span.
+    pub uv: [f32; 2],
+    /// w there.
+    pub w: f32,
+    /// Offset from the pixel, pixels; behind the eye, where w is not positive, this and all that follows are times w.
+    pub offset: [f32; 2],
+    /// Its square.
+    pub squared: f32,
+    /// The square of what f32 may leave of it.
+    pub rounding_squared: f32,
+    /// Derivative of the offset by u times the piece's extent in u.
+    pub along_u: [f32; 2],
+    /// The same for v.
+    pub along_v: [f32; 2],
+    /// The square of the piece's longer side in pixels, were it seen at a right angle.
+    pub side_squared: f32,
+    /// The square of the product of both sides.
+    pub sides_squared: f32,
+    /// Derivatives of the logarithm of w by u and v times the piece's extents.
+    pub recedes: [f32; 2],
+    /// z / w, and its derivatives by u and v times the piece's extents.
+    pub depth: [f32; 3],
+}
+
+/// A pixel's ray, and the piece that it may meet.
+pub struct Problem<'a> {
+    /// The scene.
+    pub scene: &'a PackedScene,
+    /// The piece.
+    pub piece: &'a PieceRecord,
+    /// The ray.
+    pub sight: &'a Sight,
+    /// w where the ray comes into the hull, in front of the near plane.
+    pub nearest_w: f32,
+    /// Degrees of its face.
+    pub degree: [usize; 2],
+    /// How often the surface has been evaluated.
+    pub evaluations: Cell<u32>,
+}
+
+impl Problem<'_> {
+    /// Evaluates the piece; `is_divided` where the offset is wanted in pixels, in front of the eye.
+    #[inline(always)]
+    pub fn place<const CAPACITY: usize>(&self, uv: [f32; 2], is_divided: bool) -> Place {
+        let &Self { scene, piece, sight, degree, ref evaluations, .. } = self;
+        evaluations.set(evaluations.get() + 1);
+        let face = &scene.faces()[piece.face as usize];
+        let [span_u, span_v] = scene.spans(face, [piece.span_u, piece.span_v]);
+        let nu: Basis<CAPACITY, 1> = eval::basis(span_u.knots, degree[0], Lanes([uv[0]]), 1.0, false);
+        let nv: Basis<CAPACITY, 1> = eval::basis(span_v.knots, degree[1], Lanes([uv[1]]), 1.0, false);
+        let first = [span_u.first, span_v.first];
+        let d: Derivatives<1> = eval::surface(face, degree, scene.points(), first, &nu, &nv, false);
+        let [s, su, sv] = [d.s, d.su, d.sv].map(|x| x.map(|x| x.0[0]));
+        let extent = extent(piece);
+        let w = plane(&sight.w, s);
+        let divided = is_divided && w > 0.0;
+        let divisor = if divided { w } else { 1.0 };
+        let [x, y, depth] = [&sight.x, &sight.y, &sight.z].map(|p| plane(p, s) / divisor);
+        // Times w, the offset has slopes of its own.
+        let (offset, value) = ([x, y], if divided { [x, y, depth] } else { [0.0; 3] });
+        let along = |derivative, extent: f32| sight.along(value, derivative).map(|slope| slope * (extent / divisor));
+        let (along_u, along_v) = (along(su, extent[0]), along(sv, extent[1]));
+        let squared_pixels = sight.squared_pixels(divisor);
+        let side_u = dot(su, su) * (extent[0] * extent[0]) * squared_pixels;
+        let side_v = dot(sv, sv) * (extent[1] * extent[1]) * squared_pixels;
+        Place {
+            uv,
+            w,
+            offset,
+            squared: offset[0] * offset[0] + offset[1] * offset[1],
+            rounding_squared: ROUNDING * ROUNDING * squared_pixels * (1.0 + (dot(su, su) + dot(sv, sv))),
+            along_u: [along_u[0], along_u[1]],
+            along_v: [along_v[0], along_v[1]],
+            side_squared: side_u.max(side_v),
+            sides_squared: side_u * side_v,
+            recedes: [along_u[3], along_v[3]],
+            depth: [depth, along_u[2], along_v[2]],
+        }
+    }
+}
+
+/// The least and the greatest parameters to which the search may go.
+#[inline(always)]
+pub fn searched(piece: &PieceRecord) -> [[f32; 2]; 2] {
+    let extent = extent(piece);
+    [
+        [0, 1].map(|k| piece.rectangle[k] - BEYOND * extent[k]),
+        [0, 1].map(|k| piece.rectangle[2 + k] + BEYOND * extent[k]),
+    ]
+}
+
+/// The piece's parameters, from first to last.
+pub fn extent(piece: &PieceRecord) -> [f32; 2] {
+    [piece.rectangle[2] - piece.rectangle[0], piece.rectangle[3] - piece.rectangle[1]]
+}
+
+/// Whether the piece is seen nearly edge-on there: what the tangent plane says does not reach far.
+#[inline(always)]
+pub fn is_edge_on(at: &Place) -> bool {
+    let Place { along_u: a, along_v: b, .. } = *at;
+    let det = a[0] * b[1] - a[1] * b[0];
+    det * det < EDGE_ON * EDGE_ON * at.sides_squared
+}

@@ -1,0 +1,78 @@
+//! Technique `fragment`: a coarse tessellation carries (u, v, face); each fragment evaluates the surface there (Kanai 2007).
+//!
+//! [`tessellation`] cuts cells by a bound on the chord error, [`cpu`] and [`gpu`] draw the triangles.
+
+mod bounds;
+mod cells;
+mod cpu;
+mod cut;
+mod frustum;
+mod gpu;
+mod grid;
+mod tessellation;
+
+pub use tessellation::Tessellation;
+
+use crate::error::PrepareError;
+use crate::technique::{Prepared, Setting, Technique};
+use compare::Claims;
+use pipeline::wgsl::Part;
+use raster::Drawing;
+use raster::visibility::Visibility;
+use scene::FaceId;
+use std::sync::Arc;
+
+/// Its name.
+const NAME: &str = "fragment";
+
+/// The technique.
+#[derive(Debug)]
+pub struct Fragment;
+
+impl Technique for Fragment {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn about(&self) -> &'static str {
+        "A coarse tessellation carries (u, v, face); each fragment evaluates the surface (Kanai 2007)"
+    }
+
+    fn parts(&self) -> &'static [Part] {
+        gpu::PARTS
+    }
+
+    fn claims(&self) -> Claims {
+        Claims::Chord
+    }
+
+    fn prepare(&self, setting: &Setting) -> Result<Arc<dyn Prepared>, PrepareError> {
+        let Setting { model, scene, camera, viewport, chord_px } = *setting;
+        Ok(Arc::new(Tessellation::new(model, scene, camera, viewport, chord_px)?))
+    }
+}
+
+impl Prepared for Tessellation {
+    fn triangles(&self) -> usize {
+        self.mesh.triangles()
+    }
+
+    fn chord(&self) -> &[Vec<f64>] {
+        &self.chord
+    }
+
+    fn built_px(&self) -> Option<f64> {
+        Some(self.built_px)
+    }
+
+    fn visibility<'a>(&'a self, drawing: Drawing<'a>) -> Box<dyn Visibility + 'a> {
+        Box::new(cpu::Triangles::new(&self.mesh, drawing))
+    }
+
+    /// The triangles keep their parameters, so that few bytes are new.
+    fn edited(&self, setting: &Setting, face: FaceId) -> Result<Arc<dyn Prepared>, PrepareError> {
+        let mut edited = self.clone();
+        edited.follow(setting.model, setting.scene, face);
+        Ok(Arc::new(edited))
+    }
+}

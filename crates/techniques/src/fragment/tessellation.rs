@@ -1,0 +1,183 @@
+//! The triangles of technique `fragment`: a coarse tessellation, whose corners carry (u, v, face).
+
+use super::bounds::Bounds;
+use super::cells::{Cells, GREATEST_CELLS, REFINED_TRIANGLES, Wanted, chord_bounds, total};
+use super::frustum::Frustum;
+use super::grid::{Grid, Skirt, corner, grids_of_spans, mesh};
+use crate::error::PrepareError;
+use crate::patches::spans_of;
+use nurbs::{BezierPatch, Surface};
+use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Parameters, SEARCHED, Vertex, in_drawing_order};
+use rayon::prelude::*;
+use scene::{Camera, Face, FaceId, Model, Viewport};
+
+/// How much wider than the chord error the skirt of a bounded face is, pixels: what snapping moves its corners by, and what
+/// a pixel may be beyond the border and still be covered.
+const SKIRT_PX: f64 = 1.0 / 16.0;
+
+/// Flat triangles over all faces of a scene; none by default.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tessellation {
+    /// The triangles; their corners are shared within a face.
+    pub mesh: Mesh,
+    /// For each face and each of its Bézier pieces, row-major in u as of [`Surface::bezier_patches`], the greatest distance in
+    /// model units from a point of a flat triangle to S at its parameters.
+    pub chord: Vec<Vec<f64>>,
+    /// Chord error in pixels to which it was built: more than was asked for where that would take too many triangles.
+    pub built_px: f64,
+    /// How each face is cut into cells.
+    cells: Vec<Cells>,
+}
+
+impl Tessellation {
+    /// A tessellation whose flat triangles stay within `chord_px` pixels of the surface as `camera` sees it.
+    ///
+    /// The bound is that of Filip, Magedson & Markot (1986) on each cell of a grid that follows the knots, from
+    /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the patch's box
+    /// ([`Camera::pixel_at`]). A patch that is out of the picture is not cut. Where the bound asks for over four million
+    /// triangles the chord error is doubled until it does not: [`Self::built_px`].
+    ///
+    /// A face that loops bound has a skirt: its triangles go on beyond the domain's border, along the tangents there, by what
+    /// they may fall short of the border; their parameters go on too. What lies beyond the border is cut
+    /// ([`is_shown`](pipeline::sight::is_shown)). No skirt goes on from a collapsed border.
+    ///
+    /// # Errors
+    /// [`PrepareError`].
+    pub fn new(
+        model: &Model,
+        scene: &PackedScene,
+        camera: &Camera,
+        viewport: Viewport,
+        chord_px: f64,
+    ) -> Result<Self, PrepareError> {
+        if chord_px <= 0.0 || !chord_px.is_finite() {
+            return Err(PrepareError::Chord { chord_px });
+        }
+        let in_picture = Frustum::new(camera, viewport);
+        let pixel = |patch: &BezierPatch| {
+            let hull = patch.close_hull();
+            if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY }
+        };
+        let of_surface = |surface: &Surface| {
+            let patches = surface.bezier_patches();
+            (Bounds::of(&patches), patches.iter().map(pixel).collect())
+        };
+        let surfaces: Vec<(Bounds, Vec<f64>)> = model.surfaces().par_iter().map(of_surface).collect();
+        let of_face = |(id, face): (usize, &Face)| {
+            let (bounds, pixels) = &surfaces[face.surface];
+            let spans = spans_of(model.region(FaceId(id as u32)), &scene.frames()[id].breaks);
+            Wanted { bounds, pixels, spans }
+        };
+        let wanted: Vec<Wanted> = model.faces().iter().enumerate().map(of_face).collect();
+        let mut built_px = chord_px;
+        let cells: Vec<[Vec<Vec<usize>>; 2]> = loop {
+            let cells: Vec<_> = wanted.par_iter().map(|face| face.cells(built_px)).collect();
+            let along = |spans: &[Vec<usize>]| spans.iter().map(|parts| total(parts)).sum::<f64>();
+            let triangles = wanted
+                .iter()
+                .zip(&cells)
+                .map(|(face, cells)| [0, 1].map(|k| along(&cells[k][face.spans[k].clone()])).iter().product::<f64>());
+            let triangles = 2.0 * triangles.sum::<f64>();
+            let least = wanted.iter().map(|face| {
+                [0, 1].map(|k| total(&face.bounds.parts[k][face.spans[k].clone()])).iter().product::<f64>()
+            });
+            let least = 2.0 * least.sum::<f64>();
+            if triangles <= (REFINED_TRIANGLES as f64).max(2.0 * least) {
+                break cells;
+            }
+            built_px *= 2.0;
+        };
+        let grids = cells
+            .par_iter()
+            .enumerate()
+            .map(|(id, cells)| {
+                let face = FaceId(id as u32);
+                let skirt = model.region(face).map(|region| {
+                    let pixels = wanted[id].patches().map(|index| wanted[id].pixels[index]);
+                    let pixel = pixels.filter(|pixel| pixel.is_finite()).fold(0.0, f64::max);
+                    Skirt { surface: model.surface(face), region, width: (built_px + SKIRT_PX) * pixel }
+                });
+                grids_of_spans(&scene.frames()[id].breaks, cells, &wanted[id].spans, skirt.as_ref())
+            })
+            .collect();
+        let cells = cells.into_iter().map(Cells::OfSpans).collect();
+        let bounds: Vec<&Bounds> = wanted.iter().map(|face| face.bounds).collect();
+        Self::over(model, scene, &bounds, cells, grids, built_px).ok_or(PrepareError::TooManyTriangles { chord_px })
+    }
+
+    /// A tessellation of every face into `cells` × `cells` cells of equal parameters, wherever its knots lie, as
+    /// Kanai's Table 1 counts them. Fragments find their knot spans by binary search.
+    ///
+    /// # Errors
+    /// [`PrepareError::TooManyTriangles`].
+    pub fn uniform(model: &Model, scene: &PackedScene, cells: usize) -> Result<Self, PrepareError> {
+        let too_many = PrepareError::TooManyTriangles { chord_px: f64::NAN };
+        if cells == 0 || cells > GREATEST_CELLS || model.faces().len() * cells * cells > GREATEST_TRIANGLES / 2 {
+            return Err(too_many);
+        }
+        let lines: Vec<f32> = (0..=cells).map(|i| (i as f64 / cells as f64) as f32).collect();
+        let grid = || Grid::new([SEARCHED; 2], &lines, &lines);
+        let grids = model.faces().iter().map(|_| vec![grid()]).collect();
+        let of_surface: Vec<Bounds> = model.surfaces().par_iter().map(|s| Bounds::of(&s.bezier_patches())).collect();
+        let bounds: Vec<&Bounds> = model.faces().iter().map(|face| &of_surface[face.surface]).collect();
+        let cells = vec![Cells::OfDomain(cells); model.faces().len()];
+        Self::over(model, scene, &bounds, cells, grids, f64::NAN).ok_or(too_many)
+    }
+
+    fn over(
+        model: &Model,
+        scene: &PackedScene,
+        bounds: &[&Bounds],
+        cells: Vec<Cells>,
+        grids: Vec<Vec<Grid>>,
+        built_px: f64,
+    ) -> Option<Self> {
+        let triangles: usize = grids.iter().flatten().map(|grid| 2 * (grid.rows() - 1) * (grid.columns - 1)).sum();
+        if triangles > GREATEST_TRIANGLES {
+            return None;
+        }
+        let meshes: Vec<Vec<Vertex>> =
+            grids.par_iter().enumerate().map(|(id, grids)| mesh(model, scene, id, grids)).collect();
+        let chord = |(id, cells): (usize, &Cells)| {
+            let face = FaceId(id as u32);
+            chord_bounds(bounds[id], model.surface(face), model.region(face), &scene.frames()[id], cells)
+        };
+        let chord = cells.par_iter().enumerate().map(chord).collect();
+        let mut all = Mesh::with_capacity(meshes.iter().map(Vec::len).sum(), triangles);
+        for id in in_drawing_order(scene) {
+            let mut base = all.vertices.len() as u32;
+            let first = all.indices.len() as u32;
+            all.vertices.extend_from_slice(&meshes[id]);
+            for grid in &grids[id] {
+                let [columns, rows] = [grid.columns, grid.rows()].map(|count| count as u32);
+                for i in 0..rows - 1 {
+                    for j in 0..columns - 1 {
+                        let a = base + i * columns + j;
+                        let (b, c, d) = (a + columns, a + columns + 1, a + 1);
+                        all.indices.extend([a, b, c, a, c, d]);
+                    }
+                }
+                base += rows * columns;
+            }
+            all.batch(scene.programs()[id], first);
+        }
+        Some(Self { mesh: all, chord, built_px, cells })
+    }
+
+    /// Moves the corners of a face with its surface, at the parameters that they have: after an edit nothing is tessellated
+    /// anew. [`Self::chord`] says what the triangles are good for then.
+    ///
+    /// # Panics
+    /// Where the model has no such face.
+    pub fn follow(&mut self, model: &Model, scene: &PackedScene, face: FaceId) {
+        let id = face.0 as usize;
+        let of_face = |vertex: &Vertex| vertex.face == face.0;
+        let Some(first) = self.mesh.vertices.iter().position(of_face) else { return };
+        for vertex in self.mesh.vertices[first..].iter_mut().take_while(|vertex| of_face(vertex)) {
+            *vertex = corner(model, scene, id, Parameters { span: vertex.span, uv: vertex.uv });
+        }
+        let surface = model.surface(face);
+        let bounds = Bounds::of(&surface.bezier_patches());
+        self.chord[id] = chord_bounds(&bounds, surface, model.region(face), &scene.frames()[id], &self.cells[id]);
+    }
+}

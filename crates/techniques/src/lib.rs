@@ -1,0 +1,24 @@
+//! Techniques: where the surface is evaluated, and what carries (u, v, face) to a pixel.
+//!
+//! A technique is a folder here, one of `shaders/`, and a line in [`ALL`]. It prepares a scene; the CPU rasterizer draws that by
+//! its `Visibility`, the GPU by its `Pass`, and both run the same fragment program at what it finds.
+
+mod error;
+pub mod exact;
+pub mod fragment;
+mod patches;
+mod technique;
+
+pub use error::PrepareError;
+pub use technique::{Prepared, Setting, Technique};
+
+/// All of them; the first is the default.
+pub static ALL: &[&dyn Technique] = &[&fragment::Fragment, &exact::Exact];
+
+/// Chord error in pixels to which triangles are made unless another is asked for.
+pub const DEFAULT_CHORD_PX: f64 = 0.25;
+
+/// The technique of a name.
+pub fn named(name: &str) -> Option<&'static dyn Technique> {
+    ALL.iter().copied().find(|technique| technique.name() == name)
+}
