@@ -1,28 +1,27 @@
 //! `bench`: what each part costs, in one interleaved run, medians and ratios.
 
+mod frames;
+mod sample;
 mod trimming;
 
 use crate::compare::DrawingArgs;
 use crate::format::Format;
 use crate::stage::{Plan, Stage};
 use crate::{say, terminal};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use compare::{Claims, Verdict};
-use gbuffer::{ShadeKind, Shading};
-use glam::{DQuat, DVec3};
+use frames::{Frames, turning};
+use glam::DVec3;
 use pipeline::eval::find_span;
 use pipeline::fragment::{Fragment, fragment_row};
-use pipeline::{PackedScene, Parameters, Scheme, View};
+use pipeline::{PackedScene, Parameters, Scheme};
 use raycast::Caster;
+use sample::{Figure, Sample};
 use scene::{Camera, Model, Projection, Ray, Viewport};
-use serde::Serialize;
 use std::hint::black_box;
-use std::sync::Arc;
 use std::time::Instant;
-use techniques::fragment::Tessellation;
-use techniques::{DEFAULT_CHORD_PX, Prepared, Setting, Technique};
 use trimming::Trimming;
 
 /// Kanai's Table 1: a model, cells a face so that the triangles are about his, his frames per second on a GeForce
@@ -57,44 +56,6 @@ pub struct BenchArgs {
     /// For people or for machines
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-}
-
-#[derive(Debug, Clone, Serialize)]
-struct Figure {
-    what: String,
-    unit: &'static str,
-    median: f64,
-    least: f64,
-    greatest: f64,
-    /// What there is to compare it with, and whether more is better.
-    reference: Option<String>,
-}
-
-/// A figure in the making.
-struct Sample {
-    what: String,
-    unit: &'static str,
-    reference: Option<String>,
-    values: Vec<f64>,
-}
-
-impl Sample {
-    fn new(what: impl Into<String>, unit: &'static str, reference: impl Into<Option<String>>) -> Self {
-        Self { what: what.into(), unit, reference: reference.into(), values: vec![] }
-    }
-
-    fn figure(mut self) -> Figure {
-        self.values.sort_by(f64::total_cmp);
-        let n = self.values.len();
-        Figure {
-            what: self.what,
-            unit: self.unit,
-            median: self.values[n / 2],
-            least: self.values[0],
-            greatest: self.values[n - 1],
-            reference: self.reference,
-        }
-    }
 }
 
 /// Runs the command.
@@ -316,69 +277,4 @@ fn check(model: &Model, viewport: Viewport, plan: Plan) -> Result<f64> {
     let start = Instant::now();
     black_box(stage.against_raycast(&caster, &raycast, &raster)?);
     Ok(seconds(start) / cast.max(drawn))
-}
-
-/// Cameras around a model: the frames of a rotating object.
-fn turning(model: &Model, viewport: Viewport, frames: usize, start: f64) -> Vec<Camera> {
-    let framing = Camera::framing(model, viewport);
-    let center = model.hull().center();
-    let turn = |i: usize| DQuat::from_rotation_z(start + i as f64 * std::f64::consts::TAU / frames as f64);
-    (0..frames)
-        .map(|i| {
-            let eye = center + turn(i) * (framing.eye() - center);
-            Camera::look_at(eye, center, DVec3::Z, framing.projection()).expect("a turned camera is as legal")
-        })
-        .collect()
-}
-
-/// The frames of a turning model, by one technique.
-struct Frames<'a> {
-    model: &'a Model,
-    technique: &'static dyn Technique,
-    scene: PackedScene,
-    prepared: Arc<dyn Prepared>,
-    cameras: &'a [Camera],
-    views: Vec<Vec<View>>,
-    viewport: Viewport,
-}
-
-impl<'a> Frames<'a> {
-    /// Frames of a model tessellated into `cells` × `cells` cells a face, or else to the chord error that all commands use.
-    fn new(
-        model: &'a Model,
-        technique: &'static dyn Technique,
-        scheme: Scheme,
-        cells: Option<usize>,
-        cameras: &'a [Camera],
-        viewport: Viewport,
-    ) -> Result<Self> {
-        let scene = PackedScene::new(model, scheme)?;
-        let camera = cameras.first().context("a round has frames")?;
-        let prepared = match (technique.claims(), cells) {
-            (Claims::Chord, Some(cells)) => Arc::new(Tessellation::uniform(model, &scene, cells)?),
-            _ => technique.prepare(&Setting { model, scene: &scene, camera, viewport, chord_px: DEFAULT_CHORD_PX })?,
-        };
-        let views = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
-        Ok(Self { model, technique, scene, prepared, cameras, views, viewport })
-    }
-
-    /// Frames a second of the rasterizer, which draws the first one alone.
-    fn on_cpu(&self) -> f64 {
-        let Self { scene, prepared, viewport, .. } = self;
-        let (camera, views) = (&self.cameras[0], &self.views[0]);
-        let options = raster::Options { curvature: false, interpolated_normals: false };
-        let meta = gbuffer::Meta::new("raster", self.technique.name(), self.model, camera);
-        let start = Instant::now();
-        let drawing = raster::Drawing { scene, views, camera, viewport: *viewport, options };
-        black_box(raster::Rasterizer::new(drawing, prepared.visibility(drawing)).render(meta, &|_| {}));
-        1.0 / start.elapsed().as_secs_f64()
-    }
-
-    /// Frames a second of the GPU, shaded in the fragment stage.
-    fn on_gpu(&self, device: &gpu::Device) -> Result<f64> {
-        let mut renderer = gpu::Renderer::new(device, &self.scene, &*self.prepared, gpu::RendererOptions::default())?;
-        let size = self.model.hull().diagonal();
-        let shading = Shading::new(ShadeKind::Isophotes).uniform(&self.cameras[0], size);
-        Ok(renderer.time_shaded(&self.views, &shading, self.viewport)?.frames_per_second())
-    }
 }

@@ -1,158 +1,20 @@
 //! `compare`: render by all three, or take what others rendered, compare, and show a person the answer.
 
+mod answer;
+mod args;
 pub mod pictures;
 mod rendered;
+mod report;
 mod saved;
 mod table;
 
+pub use args::{CompareArgs, DrawingArgs, Shade};
 pub use saved::{Saved, SavedFile};
 
-use crate::antialias::Antialias;
-use crate::format::Format;
-use crate::masks::TrimArgs;
-use crate::number;
-use crate::stage::Plan;
-use crate::terminal;
-use crate::view::{ModelArgs, ViewArgs};
-use crate::{output, say, technique};
+use crate::view::ModelArgs;
 use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
-use compare::{PairReport, UNBOUNDED_SHARE, Verdict};
-use gbuffer::{Picture, ShadeKind, Shading};
-use pictures::Pictures;
-use pipeline::Scheme;
-use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
-use techniques::{DEFAULT_CHORD_PX, Technique};
-
-/// Render a model by the CPU rasterizer, the GPU and the ray caster, and compare the three; or judge saved G-buffers
-///
-/// compare MODEL renders and compares. compare B.npz judges a saved G-buffer, of Isophote's or of a renderer of your
-/// own (docs/gbuffer.md), against rays cast now; compare A.npz B.npz judges both, and B against A. Saved files bring their
-/// camera and size; their model is the built-in one that they name, or --model. What they say of themselves allows them
-/// nothing: --technique exact allows them no chord, and only --trim texture allows them masks.
-///
-/// With --antialias every sample of every pixel is rendered and judged, as strictly as a pixel's centre is; pixels count
-/// once for each sample, and the pictures are the samples' mean.
-///
-/// Exit code 0: all pairs agree; 1: some pixel differs, or too many have no verdict; 2: something could not run (no adapter
-/// counts), or nobody shows anything.
-#[derive(Debug, Args)]
-pub struct CompareArgs {
-    /// A model file (.json, .bpt), the name of a built-in model (see `cargo xtask info --list`), or one or two saved
-    /// G-buffers (.npz)
-    #[arg(value_name = "MODEL|FILE.npz", num_args = 1..=2, default_value = "teapot")]
-    subjects: Vec<String>,
-    /// What saved G-buffers show, where that is no built-in model
-    #[arg(long = "model", value_name = "MODEL")]
-    of_model: Option<String>,
-    /// Refuse a model file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap
-    /// closed
-    #[arg(long)]
-    strict: bool,
-    #[command(flatten)]
-    view: ViewArgs,
-    #[command(flatten)]
-    drawing: DrawingArgs,
-    /// What the pictures show
-    #[arg(long, value_enum, default_value = "isophotes")]
-    shade: Shade,
-    /// Smooth the edges of faces, trims and colours; saved G-buffers have their sample in their camera's lens shift
-    #[arg(long, value_enum, default_value = "none")]
-    antialias: Antialias,
-    /// Write pictures, difference maps and report.json to this folder
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// For people or for machines
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
-}
-
-/// How a model is drawn.
-#[derive(Debug, Clone, Args)]
-pub struct DrawingArgs {
-    /// Where the surface is evaluated
-    #[arg(long, value_parser = technique::parser(), default_value = technique::default())]
-    technique: &'static dyn Technique,
-    /// Programs of a few specialised degrees, or one for any
-    #[arg(long, value_enum, default_value = "specialised")]
-    scheme: SchemeName,
-    #[command(flatten)]
-    trim: TrimArgs,
-    /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are allowed
-    #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, value_parser = number::error_px, allow_hyphen_values = true)]
-    chord: f64,
-    /// The share of covered pixels that may have no verdict for want of a bound, as poles have none; from 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE, value_parser = number::share, allow_hyphen_values = true)]
-    unbounded: f64,
-    /// Part of the GPU adapter's name [default: a hardware one, else a software one]
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SchemeName {
-    /// Degrees 3, 5, 7 … 15; other faces are raised to the next
-    Specialised,
-    /// Each face its own degrees
-    General,
-}
-
-/// A kind of shading, by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Shade {
-    /// A lit, slightly shiny body
-    Phong,
-    /// Bands of equal angle between normal and light
-    Isophotes,
-    /// Reflection lines
-    Zebra,
-    /// The normal's components as colours
-    Normal,
-    /// Squares over (u, v)
-    Checker,
-    /// A colour for each face
-    Face,
-    /// Gaussian curvature
-    Gaussian,
-    /// Mean curvature
-    Mean,
-}
-
-impl Shade {
-    /// The shading code of that name.
-    pub fn shading(self) -> Shading {
-        Shading::new(match self {
-            Shade::Phong => ShadeKind::Phong,
-            Shade::Isophotes => ShadeKind::Isophotes,
-            Shade::Zebra => ShadeKind::Zebra,
-            Shade::Normal => ShadeKind::Normal,
-            Shade::Checker => ShadeKind::Checker,
-            Shade::Face => ShadeKind::Face,
-            Shade::Gaussian => ShadeKind::Gaussian,
-            Shade::Mean => ShadeKind::Mean,
-        })
-    }
-}
-
-impl DrawingArgs {
-    /// The same in the renderers' own words.
-    pub fn plan(&self) -> Plan {
-        let scheme = match self.scheme {
-            SchemeName::Specialised => Scheme::Specialised,
-            SchemeName::General => Scheme::General,
-        };
-        Plan {
-            technique: self.technique,
-            scheme,
-            chord_px: self.chord,
-            trim: self.trim.trimming(),
-            edges: false,
-            unbounded_share: self.unbounded,
-        }
-    }
-}
 
 /// Runs the command.
 ///
@@ -174,40 +36,4 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
             models[0]
         ),
     }
-}
-
-/// 0 where all pairs agree; 1 where some pixel differs, or too many have no verdict; 2 where no pair shows anything.
-///
-/// A pair of which neither shows anything says nothing, and is passed over where others do.
-fn exit_code(pairs: &[PairReport]) -> u8 {
-    let shown: Vec<&PairReport> = pairs.iter().filter(|pair| pair.covered > 0).collect();
-    match shown.iter().all(|pair| pair.verdict == Verdict::Agree) {
-        _ if shown.is_empty() => 2,
-        true => 0,
-        false => 1,
-    }
-}
-
-/// Writes and shows a report with its pictures; `print` is what people read.
-fn answer(
-    args: &CompareArgs,
-    report: &impl Serialize,
-    pictures: &Pictures,
-    print: impl Fn() -> Result<()>,
-) -> Result<()> {
-    if let Some(folder) = &args.out {
-        pictures.write(folder)?;
-        output::write_json(&folder.join("report.json"), report)?;
-    }
-    match args.format {
-        Format::Json => terminal::json(report)?,
-        Format::Table => {
-            terminal::show(&Picture::beside(&pictures.views()?.iter().collect::<Vec<_>>()))?;
-            if let Some(folder) = &args.out {
-                say!("pictures and report.json are in {}", folder.display())?;
-            }
-            print()?;
-        }
-    }
-    Ok(())
 }

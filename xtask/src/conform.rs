@@ -1,5 +1,6 @@
 //! `conform`: a portable corpus on each adapter, and one report of it for people, for CI systems and for a browser.
 
+pub mod answer;
 pub mod check;
 pub mod corpus;
 pub mod html;
@@ -11,14 +12,12 @@ pub mod run;
 pub mod table;
 pub mod wrong;
 
-use crate::format::Format;
-use crate::{output, say, terminal};
-use anyhow::{Context, Result, bail};
+use crate::terminal;
+use answer::{OutputArgs, claim, finish};
+use anyhow::Result;
 use clap::{Args, Subcommand};
 use corpus::{Shard, Suite};
-use report::{Report, State};
 use run::{Adapter, Gpu, Plans, absent};
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -59,17 +58,6 @@ pub struct RunArgs {
     output: OutputArgs,
 }
 
-/// Where the answer goes.
-#[derive(Debug, Clone, Args)]
-pub struct OutputArgs {
-    /// The folder of report.html, report.json and junit.xml
-    #[arg(long, value_name = "DIR", default_value = "out/conform")]
-    out: PathBuf,
-    /// For people or for machines
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
-}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -87,27 +75,6 @@ pub fn run(args: &ConformArgs) -> Result<ExitCode> {
     let _lock = claim(folder, *suite, *shard)?;
     plans.run(&mut adapters, &mut report, on_interrupt(), &mut |report| report.write(folder))?;
     finish(&report, output)
-}
-
-/// Makes a folder, if need be, to which nobody else writes until the lock is dropped, and that holds no other part of a suite.
-fn claim(folder: &Path, suite: Suite, shard: Shard) -> Result<files::Lock> {
-    let place = || folder.display().to_string();
-    let lock = files::lock(folder).with_context(place)?;
-    let report = folder.join("report.json");
-    // Anything but a part of a suite is what an earlier run left, and is replaced by this one's.
-    if let Ok(there) = Report::read(&report)
-        && there.shard.count > 1
-        && (there.suite, there.shard) != (suite, shard)
-    {
-        bail!(
-            "{}: it is shard {} of suite {}, and shard {shard} of {} would replace it: give each its own --out",
-            report.display(),
-            there.shard,
-            there.suite.name(),
-            suite.name()
-        );
-    }
-    Ok(lock)
 }
 
 /// The adapters asked for, and the ones that could not be opened.
@@ -134,33 +101,6 @@ fn open(name: Option<&str>) -> (Vec<Box<dyn Adapter>>, Vec<report::Subject>) {
         }
     }
     (opened, missing)
-}
-
-/// Writes and prints a report.
-fn finish(report: &Report, output: &OutputArgs) -> Result<ExitCode> {
-    write(report, &output.out)?;
-    match output.format {
-        Format::Json => terminal::json(report)?,
-        Format::Table => {
-            terminal::styled(&table::text(report))?;
-            say!("report.html, report.json and junit.xml are in {}", output.out.display())?;
-        }
-    }
-    Ok(match report.state() {
-        State::Agree => ExitCode::SUCCESS,
-        State::Differ => ExitCode::from(1),
-        State::NotRun => ExitCode::from(2),
-    })
-}
-
-/// Writes the three files.
-///
-/// # Errors
-/// Where the folder cannot be written.
-pub fn write(report: &Report, folder: &Path) -> Result<()> {
-    report.write(folder)?;
-    output::write(&folder.join("junit.xml"), &junit::xml(report)?)?;
-    output::write(&folder.join("report.html"), html::page(report)?.as_bytes())
 }
 
 /// Set once a person interrupts: the run ends after the case at hand and is reported as far as it went. A second

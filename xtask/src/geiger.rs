@@ -27,9 +27,6 @@ const SIDES: [u32; 6] = [64, 128, 256, 512, 1024, 2048];
 /// Samplings of Fig. 33, chords a curve.
 const CHORDS: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// Side of the pictures of Fig. 17, pixels.
-const SIDE: usize = 256;
-
 /// Reproduce Geiger's Figs. 17, 32 and 33: what trimming textures show, and what they cost to set up
 ///
 /// Draws an ellipse whose mask has too few texels, too few chords, too few of both, and enough of both, and as the exact
@@ -144,7 +141,7 @@ fn print(costs: &[Cost]) -> Result<()> {
 }
 
 fn cost(model: &Model, device: Option<&Device>, [side, chords]: [u32; 2], args: &GeigerArgs) -> Result<Cost> {
-    let viewport = Viewport::new(SIDE, SIDE)?;
+    let viewport = Viewport::new(zoom::SIDE, zoom::SIDE)?;
     let camera = Camera::framing(model, viewport);
     let memory = u64::from(args.mask_memory) * 1_000_000;
     let quality = MaskQuality::Fixed { side, chords };
@@ -193,7 +190,7 @@ fn cost(model: &Model, device: Option<&Device>, [side, chords]: [u32; 2], args: 
 /// Fig. 17, and what it should look like.
 fn ellipses() -> Result<Picture> {
     let model = ellipse()?;
-    let viewport = Viewport::new(SIDE, SIDE)?;
+    let viewport = Viewport::new(zoom::SIDE, zoom::SIDE)?;
     let center = model.hull().center();
     let projection = Projection::Orthographic { height: 1.1 };
     let camera = Camera::look_at(center + DVec3::Z, center, DVec3::Y, projection)?;

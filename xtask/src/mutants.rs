@@ -5,6 +5,7 @@ pub mod operator;
 pub mod record;
 pub mod report;
 pub mod scenes;
+pub mod shown;
 pub mod token;
 pub mod trial;
 pub mod worker;

@@ -1,7 +1,8 @@
 //! Whether a hit's trim edge is where the picture has it: in f64, by the region's monotone pieces and the camera itself.
 
+use crate::difference::Difference;
 use crate::evaluation::radius;
-use crate::judge::{Difference, Judge};
+use crate::setting::Setting;
 use crate::{Cause, trim};
 use gbuffer::{EDGE_REACH_PX, Hit};
 use glam::{DMat2, DVec2};
@@ -60,7 +61,7 @@ struct Part<'a> {
     ends: [f64; 2],
 }
 
-impl Judge<'_> {
+impl Setting<'_> {
     /// Checks the edge of a hit of the pixel with its centre at `center`; `None` where the hit records none rightly, or is
     /// seen edge-on so that none can be asked for.
     ///

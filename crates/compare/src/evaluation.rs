@@ -1,6 +1,7 @@
 //! The values of a hit against what the fragment program may return at the hit's own (u, v).
 
-use crate::judge::{Difference, Judge};
+use crate::difference::Difference;
+use crate::setting::Setting;
 use crate::{Cause, NEARLY, Shares, Unbounded};
 use gbuffer::{Hit, PrincipalCurvatures};
 use glam::DVec2;
@@ -22,7 +23,7 @@ pub(crate) struct Evaluated {
     pub radius: f64,
 }
 
-impl Judge<'_> {
+impl Setting<'_> {
     /// Checks a hit's values at its own (u, v).
     ///
     /// They must lie in the enclosure on some pair of spans that f32 allows; and S, normal and curvatures in f64 must lie

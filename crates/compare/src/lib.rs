@@ -8,6 +8,7 @@
 mod attribution;
 mod cause;
 mod deviation;
+mod difference;
 mod edge;
 mod error;
 mod evaluation;
@@ -15,9 +16,11 @@ mod judge;
 mod pair;
 mod report;
 mod sampler;
+mod setting;
 mod shares;
 mod tally;
 mod trim;
+mod trimming;
 mod unbounded;
 
 pub use attribution::NEARLY;

@@ -1,8 +1,9 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
+use crate::difference::Difference;
 use crate::edge::EdgeFound;
 use crate::evaluation::Evaluated;
-use crate::judge::{Difference, Judge};
+use crate::setting::Setting;
 use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares, Unbounded};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
@@ -79,7 +80,7 @@ pub(crate) struct Agreement {
 
 /// The view of one pair of buffers.
 pub(crate) struct Pair<'a, 'm> {
-    pub judge: &'a Judge<'m>,
+    pub setting: &'a Setting<'m>,
     pub reference: &'a GBuffer,
     pub candidate: &'a GBuffer,
     pub sampler: &'a dyn Sampler,
@@ -121,7 +122,7 @@ impl Pair<'_, '_> {
     /// away; one that solves for the surface at each pixel missed a root, whether it then found a farther one or none;
     /// another cause, `otherwise`, for triangles.
     fn unseen(&self, hidden: &Hit, otherwise: Cause) -> Cause {
-        if self.judge.model.region(hidden.face).is_some() {
+        if self.setting.model.region(hidden.face).is_some() {
             return Cause::Trim;
         }
         if self.candidate.meta().technique == EXACT { Cause::MissedRoot } else { otherwise }
@@ -129,40 +130,40 @@ impl Pair<'_, '_> {
 
     /// The candidate's trim edge, where it was asked for one.
     fn edge(&self, center: DVec2, candidate: &Hit) -> Result<Option<EdgeFound>, Difference> {
-        if self.candidate.has_edges() { self.judge.edge(candidate, center) } else { Ok(None) }
+        if self.candidate.has_edges() { self.setting.edge(candidate, center) } else { Ok(None) }
     }
 
     /// A pixel that the candidate covers.
     ///
     /// How far away it is follows from its own (u, v), whatever distance it states: that is judged last.
     fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Failed> {
-        self.judge.holds_parameters(candidate).map_err(|(reason, detail)| Failed::Unbounded(reason, detail))?;
-        let Evaluated { shares, radius } = self.judge.evaluation(candidate)?;
-        let s = self.judge.surface_point(candidate);
-        let ray = self.judge.camera.ray(self.judge.viewport, center.x, center.y);
+        self.setting.holds_parameters(candidate).map_err(|(reason, detail)| Failed::Unbounded(reason, detail))?;
+        let Evaluated { shares, radius } = self.setting.evaluation(candidate)?;
+        let s = self.setting.surface_point(candidate);
+        let ray = self.setting.camera.ray(self.setting.viewport, center.x, center.y);
         let along_ray = |s: DVec3| (s - ray.origin).dot(ray.direction);
         let stated = candidate;
         let candidate = &Hit { t: along_ray(s), ..*stated };
         // A ray caster that was asked here and now is believed.
-        let seen = |r: &Hit| if self.exact { r.t } else { along_ray(self.judge.surface_point(r)) };
+        let seen = |r: &Hit| if self.exact { r.t } else { along_ray(self.setting.surface_point(r)) };
         let reference = reference.map(|r| Hit { t: seen(r), ..*r });
         let reference = reference.as_ref();
         let bound = self.bound_of_shown(candidate, s, radius);
         self.check_bound(&bound)?;
         let bound_px = bound.across;
-        let at_edge = self.judge.trimming(candidate, center, self.deviation.edge_px)?;
+        let at_edge = self.setting.trimming(candidate, center, self.deviation.edge_px)?;
         let shares = Shares { ambiguous: at_edge || shares.ambiguous, ..shares };
         // Along the ray: the chord on either side, what rounding of S itself was, and that of the depths compared.
-        let depth = DEPTH_ULPS / (1u64 << 24) as f64 * (candidate.t.abs() + self.judge.size);
+        let depth = DEPTH_ULPS / (1u64 << 24) as f64 * (candidate.t.abs() + self.setting.size);
         let rounded = candidate.position.distance(s);
         let slack = 2.0 * self.model_units(candidate) + 2.0 * rounded + depth;
-        let in_front = self.judge.camera.depth(s) >= self.judge.camera.near() - slack;
-        let picture = self.judge.picture(s).filter(|_| in_front);
+        let in_front = self.setting.camera.depth(s) >= self.setting.camera.near() - slack;
+        let picture = self.setting.picture(s).filter(|_| in_front);
         let same = reference.filter(|r| r.face == candidate.face && (r.t - candidate.t).abs() <= slack);
         let along = same.map_or(0.0, |r| (r.t - candidate.t).abs());
         // Geometry.
         let target = match same {
-            Some(r) if !self.exact => self.judge.picture(self.judge.surface_point(r)),
+            Some(r) if !self.exact => self.setting.picture(self.setting.surface_point(r)),
             _ => Some(center),
         };
         let across_px = match (picture, target) {
@@ -268,10 +269,10 @@ impl Pair<'_, '_> {
 
     /// S at the candidate's (u, v) is not on the pixel's ray: are u and v exchanged, or was interpolation wrong?
     fn misplaced(&self, candidate: &Hit, center: DVec2, across_px: f64, bound_px: f64) -> Difference {
-        let surface = self.judge.model.surface(candidate.face);
+        let surface = self.setting.model.surface(candidate.face);
         let [[u0, u1], [v0, v1]] = surface.domain();
         let [s, t] = [(candidate.uv.x - u0) / (u1 - u0), (candidate.uv.y - v0) / (v1 - v0)];
-        let exchanged = self.judge.picture(surface.point(u0 + (u1 - u0) * t, v0 + (v1 - v0) * s));
+        let exchanged = self.setting.picture(surface.point(u0 + (u1 - u0) * t, v0 + (v1 - v0) * s));
         let cause = match exchanged {
             Some(p) if p.distance(center) <= bound_px => Cause::Parameters,
             _ => Cause::Interpolation,
@@ -282,7 +283,7 @@ impl Pair<'_, '_> {
 
     /// The allowance at what the reference shows.
     fn bound_at(&self, hit: &Hit) -> Bound {
-        self.bound_of(hit, self.judge.surface_point(hit), 0.0)
+        self.bound_of(hit, self.setting.surface_point(hit), 0.0)
     }
 
     /// The allowance for what a candidate shows at its own parameters, S being there and known to `radius`. A bounded face's
@@ -290,9 +291,9 @@ impl Pair<'_, '_> {
     /// is the border's point, as far from there as the border bulges. That is the rule's doing, and not a loose bound.
     fn bound_of_shown(&self, candidate: &Hit, s: DVec3, radius: f64) -> Bound {
         let bound = self.bound_of(candidate, s, radius);
-        let [[u0, u1], [v0, v1]] = self.judge.model.surface(candidate.face).domain();
+        let [[u0, u1], [v0, v1]] = self.setting.model.surface(candidate.face).domain();
         let DVec2 { x: u, y: v } = candidate.uv;
-        let is_bounded = self.judge.model.region(candidate.face).is_some();
+        let is_bounded = self.setting.model.region(candidate.face).is_some();
         if is_bounded && self.deviation.has_skirts && (u == u0 || u == u1 || v == v0 || v == v1) {
             Bound { across: 2.0 * bound.across + SQRT_2 * f64::from(NEAR_PX), ..bound }
         } else {
@@ -302,9 +303,9 @@ impl Pair<'_, '_> {
 
     /// The allowance across the ray for a point of a face that is at `position`, and known to `radius`.
     fn bound_of(&self, hit: &Hit, position: DVec3, radius: f64) -> Bound {
-        let seen = |radius: f64| self.judge.camera.pixels_within(self.judge.viewport, position, radius);
+        let seen = |radius: f64| self.setting.camera.pixels_within(self.setting.viewport, position, radius);
         let face = hit.face.0 as usize;
-        let greatest = |of: &dyn Fn(usize) -> f64| self.judge.pieces(hit).map(of).fold(0.0, f64::max);
+        let greatest = |of: &dyn Fn(usize) -> f64| self.setting.pieces(hit).map(of).fold(0.0, f64::max);
         let snap = self.deviation.snap_px;
         let across = seen(self.model_units(hit)) + snap;
         Bound {
@@ -321,13 +322,13 @@ impl Pair<'_, '_> {
     fn model_units(&self, hit: &Hit) -> f64 {
         let face = hit.face.0 as usize;
         let of = |piece| self.deviation.chord_at(face, piece) + self.deviation.attribute_at(face, piece);
-        self.judge.pieces(hit).map(of).fold(0.0, f64::max)
+        self.setting.pieces(hit).map(of).fold(0.0, f64::max)
     }
 
     /// The chord at an edge of the triangles there, model units.
     fn edge_chord(&self, hit: &Hit) -> f64 {
         let face = hit.face.0 as usize;
-        self.judge.pieces(hit).map(|piece| self.deviation.edge_chord_at(face, piece)).fold(0.0, f64::max)
+        self.setting.pieces(hit).map(|piece| self.deviation.edge_chord_at(face, piece)).fold(0.0, f64::max)
     }
 
     /// Whether the reference draws the candidate's point somewhere within the bound: on the rings, or on a dense grid.
@@ -367,13 +368,13 @@ impl Pair<'_, '_> {
         slack: f64,
     ) -> bool {
         let radius = self.edge_chord(candidate) + self.model_units(candidate);
-        let chord_px = self.judge.camera.pixels_within(self.judge.viewport, s, radius) + self.deviation.snap_px;
+        let chord_px = self.setting.camera.pixels_within(self.setting.viewport, s, radius) + self.deviation.snap_px;
         let is_other = |q: Option<Hit>| match (q, reference) {
             (Some(q), Some(r)) => q.face != r.face || (q.t - r.t).abs() > slack,
             (q, r) => q.is_some() != r.is_some(),
         };
-        self.judge.picture(s).is_some_and(|p| p.distance(center) <= chord_px)
-            && (self.judge.is_at_edge(candidate, center, self.deviation.edge_px, bound_px)
+        self.setting.picture(s).is_some_and(|p| p.distance(center) <= chord_px)
+            && (self.setting.is_at_edge(candidate, center, self.deviation.edge_px, bound_px)
                 || self.around(center, bound_px, reference.or(Some(candidate))).any(is_other))
     }
 
@@ -382,10 +383,10 @@ impl Pair<'_, '_> {
     /// Where loops bound the face, and it is another one that is seen there, its surface must end before that position, in a
     /// fold or at the domain's border, which seen edge-on a chord may fall short of: a trim edge inside is no silhouette.
     fn passes_by(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(Option<Hit>) -> bool) -> bool {
-        let is_bounded = self.judge.model.region(hit.face).is_some();
+        let is_bounded = self.setting.model.region(hit.face).is_some();
         self.places(center, bound, Some(hit)).any(|p| {
             let q = self.sampler.first(p.x, p.y);
-            let is_cut = || is_bounded && q.is_none_or(|q| q.face != hit.face) && self.judge.goes_on_at(hit, p);
+            let is_cut = || is_bounded && q.is_none_or(|q| q.face != hit.face) && self.setting.goes_on_at(hit, p);
             is_past(q) && !is_cut()
         })
     }
@@ -395,7 +396,7 @@ impl Pair<'_, '_> {
         if q.face != candidate.face {
             return false;
         }
-        let [a, b] = [q, candidate].map(|hit| self.judge.picture(self.judge.surface_point(hit)));
+        let [a, b] = [q, candidate].map(|hit| self.setting.picture(self.setting.surface_point(hit)));
         let near = a.zip(b).is_some_and(|(a, b)| a.distance(b) <= bound_px);
         near && (q.t - candidate.t).abs() <= slack
     }
@@ -410,7 +411,7 @@ impl Pair<'_, '_> {
             high = high.max(parameters(q));
         }
         // Rounding of the interpolated parameters themselves.
-        let [u, v] = self.judge.model.surface(candidate.face).domain().map(|[start, end]| end - start);
+        let [u, v] = self.setting.model.surface(candidate.face).domain().map(|[start, end]| end - start);
         let margin = DVec3::new(u * ATTRIBUTE_ULPS / 2f64.powi(24), v * ATTRIBUTE_ULPS / 2f64.powi(24), slack);
         let p = parameters(candidate);
         low.cmple(p + margin).all() && high.cmpge(p - margin).all()
@@ -429,7 +430,7 @@ impl Pair<'_, '_> {
     /// Positions around a position: itself, some along the picture of the hit's normal, which points straight across
     /// a silhouette, and two rings.
     fn places(&self, center: DVec2, radius: f64, hit: Option<&Hit>) -> impl Iterator<Item = DVec2> + use<> {
-        let camera = self.judge.camera;
+        let camera = self.setting.camera;
         let across = hit
             .and_then(|hit| hit.normal.unit())
             .map_or(DVec2::ZERO, |n| DVec2::new(n.dot(camera.right()), -n.dot(camera.above())).normalize_or_zero());
@@ -442,14 +443,14 @@ impl Pair<'_, '_> {
     /// Whether a border of the hit's face passes within `radius` pixels of a position, or, where loops bound the face, one of
     /// them within [`Deviation::edge_px`], or the near plane cuts it there.
     fn near_border(&self, hit: &Hit, center: DVec2, radius: f64) -> bool {
-        let beyond_near = self.judge.camera.depth(self.judge.surface_point(hit)) - self.judge.camera.near();
+        let beyond_near = self.setting.camera.depth(self.setting.surface_point(hit)) - self.setting.camera.near();
         if beyond_near <= self.model_units(hit) {
             return true;
         }
-        if self.judge.model.region(hit.face).is_some() {
-            return self.judge.is_at_edge(hit, center, self.deviation.edge_px, radius);
+        if self.setting.model.region(hit.face).is_some() {
+            return self.setting.is_at_edge(hit, center, self.deviation.edge_px, radius);
         }
-        let surface = self.judge.model.surface(hit.face);
+        let surface = self.setting.model.surface(hit.face);
         let [[u0, u1], [v0, v1]] = surface.domain();
         let DVec2 { x: u, y: v } = hit.uv;
         [(u0, v), (u1, v), (u, v0), (u, v1)].into_iter().any(|(s, t)| {
@@ -458,12 +459,12 @@ impl Pair<'_, '_> {
             let along_u = s == u;
             for _ in 0..BORDER_STEPS {
                 let d = surface.first_derivatives(place.x, place.y);
-                let Some(at) = self.judge.picture(d.s) else { return false };
+                let Some(at) = self.setting.picture(d.s) else { return false };
                 if at.distance(center) <= radius {
                     return true;
                 }
                 let tangent = if along_u { d.su } else { d.sv };
-                let direction = self.judge.camera.picture_derivative(self.judge.viewport, d.s, tangent);
+                let direction = self.setting.camera.picture_derivative(self.setting.viewport, d.s, tangent);
                 let step = (center - at).dot(direction) / direction.length_squared();
                 if !step.is_finite() {
                     return false;

@@ -1,7 +1,7 @@
 //! The pixels of two buffers, added up.
 
 use crate::Histograms;
-use crate::judge::Difference;
+use crate::difference::Difference;
 use crate::pair::{Finding, Pair};
 use crate::report::{Coverage, Edges, Identical, PairReport, PixelReport, Verdict, WORST, keep_worst};
 
@@ -11,7 +11,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    pub fn new(pair: &Pair) -> Self {
+    pub fn new(pair: &Pair, unbounded_share: f64) -> Self {
         let report = PairReport {
             reference: pair.reference.meta().renderer.clone(),
             candidate: pair.candidate.meta().renderer.clone(),
@@ -21,7 +21,7 @@ impl Tally {
             coverage: Coverage::default(),
             unbounded: 0,
             unbounded_causes: Default::default(),
-            unbounded_share: pair.judge.unbounded_share,
+            unbounded_share,
             unanswered_share: pair.deviation.unanswered_share,
             limit_px: pair.deviation.limit_px,
             ambiguous: 0,

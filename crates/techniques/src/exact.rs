@@ -23,16 +23,13 @@ use raster::visibility::Visibility;
 use scene::FaceId;
 use std::sync::Arc;
 
-/// Its name.
-const NAME: &str = "exact";
-
 /// The technique.
 #[derive(Debug)]
 pub struct Exact;
 
 impl Technique for Exact {
     fn name(&self) -> &'static str {
-        NAME
+        gpu::NAME
     }
 
     fn about(&self) -> &'static str {

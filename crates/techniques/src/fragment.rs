@@ -22,16 +22,13 @@ use raster::visibility::Visibility;
 use scene::FaceId;
 use std::sync::Arc;
 
-/// Its name.
-const NAME: &str = "fragment";
-
 /// The technique.
 #[derive(Debug)]
 pub struct Fragment;
 
 impl Technique for Fragment {
     fn name(&self) -> &'static str {
-        NAME
+        gpu::NAME
     }
 
     fn about(&self) -> &'static str {

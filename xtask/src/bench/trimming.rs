@@ -1,6 +1,7 @@
 //! What trimming costs: against the same faces whole, and to set up.
 
-use super::{Frames, Sample, turning};
+use super::frames::{Frames, turning};
+use super::sample::Sample;
 use crate::stage::Plan;
 use anyhow::Result;
 use pipeline::PackedScene;

@@ -1,6 +1,10 @@
 //! `compare MODEL`: renders every sample of a picture by all three, and judges it.
 
-use super::{CompareArgs, answer, exit_code, pictures::Pictures, table};
+use super::answer::{answer, exit_code};
+use super::args::CompareArgs;
+use super::pictures::Pictures;
+use super::report::Report;
+use super::table;
 use crate::antialias::{Antialias, SampleReport};
 use crate::masks::MaskReport;
 use crate::stage::{Plan, Rendered, ShadedReport, Stage};
@@ -11,35 +15,7 @@ use compare::{PairReport, Verdict};
 use gbuffer::{GBuffer, Meta, Shading};
 use raycast::Caster;
 use scene::Note;
-use serde::Serialize;
 use std::process::ExitCode;
-
-/// What the comparison found.
-#[derive(Serialize)]
-pub(super) struct Report<'a> {
-    pub model: &'a str,
-    /// What of its file is not drawn as it stands there.
-    pub notes: Vec<String>,
-    pub technique: &'static str,
-    pub size: [usize; 2],
-    pub adapter: Option<String>,
-    pub driver: Option<String>,
-    pub triangles: usize,
-    /// How the rasterizers trim faces.
-    pub trim: &'static str,
-    /// Where they do by masks.
-    pub masks: Option<MaskReport>,
-    /// Where in a pixel it was sampled; one sample, in the centre, unless anti-aliased.
-    pub samples: &'a [SampleReport],
-    /// Of all samples of a pixel together.
-    pub pairs: &'a [PairReport],
-    /// The pictures shaded in the GPU's fragment stage against the shading of its G-buffer.
-    pub shaded: Option<ShadedReport>,
-    /// Why the GPU did not run.
-    pub gpu_not_run: Option<String>,
-    /// Pixels that the ray caster could not decide.
-    pub undecided: usize,
-}
 
 /// What one sample shows, without its G-buffers: a picture of many samples holds those of one at a time.
 struct Sample {

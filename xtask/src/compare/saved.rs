@@ -4,7 +4,10 @@
 //! itself can make its judge stricter, never milder: a technique and trims that allow more are the caller's to allow, the
 //! reference is always cast here and now, and pixels marked undecided are judged like any.
 
-use super::{CompareArgs, answer, exit_code, pictures::Pictures, table};
+use super::answer::{answer, exit_code};
+use super::args::CompareArgs;
+use super::pictures::Pictures;
+use super::table;
 use crate::antialias::Antialias;
 use crate::say;
 use crate::stage::{Plan, Rays, Stage};

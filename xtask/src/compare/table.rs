@@ -1,6 +1,6 @@
 //! A comparison in words and columns.
 
-use super::rendered::Report;
+use super::report::Report;
 use crate::antialias::SampleReport;
 use crate::text::escaped;
 use crate::{say, terminal};

@@ -1,9 +1,9 @@
 //! `conform merge`: shards and adapters of several machines, joined into one report.
 
+use super::answer::{OutputArgs, claim, finish};
 use super::check::check;
 use super::corpus::{Corpus, Shard};
 use super::report::{Case, Outcome, Report, Subject};
-use super::{OutputArgs, claim, finish};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,6 +1,5 @@
 //! A trim edge at 20 times the size: by the masks that were made for the whole picture, exactly, and by samples.
 
-use super::SIDE;
 use crate::compare::Shade;
 use crate::stage::{Plan, Stage};
 use anyhow::Result;
@@ -9,6 +8,9 @@ use glam::{DVec2, DVec3};
 use pipeline::PackedScene;
 use pipeline::mask::{MaskOptions, MaskPlan, Masks};
 use scene::{Camera, FaceId, Model, Projection, SamplePattern, Viewport};
+
+/// Side of the pictures of Fig. 17, pixels.
+pub const SIDE: usize = 256;
 
 /// How much larger the edge is shown.
 const ZOOM: f64 = 20.0;

@@ -1,7 +1,7 @@
 //! Mutants: one small change each, generated from the WGSL, and which of them are legal.
 
 use super::operator::{Site, sites};
-use super::scenes::Shown;
+use super::shown::Shown;
 use pipeline::wgsl::{self, COMMON, Part, Variant};
 use pipeline::{Program, TrimMethod};
 use rayon::prelude::*;

@@ -2,6 +2,7 @@
 
 mod joints;
 
+use super::shown::{SIDE, Shown, framed};
 use crate::stage::Plan;
 use compare::Claims;
 use gbuffer::ShadeKind;
@@ -11,32 +12,6 @@ use pipeline::Scheme;
 use scene::{Camera, Face, Model, Projection, Viewport};
 use std::f64::consts::FRAC_1_SQRT_2;
 use techniques::Technique;
-
-/// A model, who looks, and how it is drawn.
-#[derive(Clone)]
-pub struct Shown {
-    /// What a mutant must not get wrong here.
-    pub name: &'static str,
-    /// What is drawn.
-    pub model: Model,
-    /// Who looks.
-    pub camera: Camera,
-    /// At how many pixels.
-    pub viewport: Viewport,
-    /// How it is drawn; the technique is set by who draws.
-    pub plan: Plan,
-    /// Cells of a uniform tessellation in place of one by chord error.
-    pub cells: Option<usize>,
-    /// What the picture shaded in the fragment stage shows.
-    pub shade: ShadeKind,
-    /// Whether that picture is shaded by normals interpolated from the vertices, and nothing else is judged.
-    pub vertex_normals: bool,
-    /// Whether the model fills the picture, so that a pixel that shows nothing is a crack between two faces.
-    pub fills: bool,
-}
-
-/// Side of the pictures.
-const SIDE: usize = 40;
 
 /// Those of a technique, in the order in which a mutant meets them.
 pub fn scenes(technique: &'static dyn Technique) -> Vec<Shown> {
@@ -136,17 +111,6 @@ fn hulls() -> Vec<Shown> {
 
 fn builtin(name: &str) -> Model {
     formats::builtin(name).expect("built in")
-}
-
-fn viewport() -> Viewport {
-    Viewport::new(SIDE, SIDE).expect("a legal size")
-}
-
-fn framed(name: &'static str, model: Model, scheme: Scheme) -> Shown {
-    let (viewport, plan) = (viewport(), Plan { scheme, chord_px: 0.5, ..Plan::default() });
-    let camera = Camera::framing(&model, viewport);
-    let shade = ShadeKind::Isophotes;
-    Shown { name, model, camera, viewport, plan, cells: None, shade, vertex_normals: false, fills: false }
 }
 
 /// The same view, without perspective.

@@ -1,6 +1,6 @@
 //! The trial of a program on the scenes: drawn by the GPU, judged as any other rendering.
 
-use super::scenes::Shown;
+use super::shown::Shown;
 use crate::stage::{Plan, Stage};
 use anyhow::{Result, bail};
 use compare::{Claims, Verdict};

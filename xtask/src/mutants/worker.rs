@@ -6,7 +6,8 @@
 //! mutant gets a new one.
 
 use super::mutant::Mutant;
-use super::scenes::{Shown, scenes};
+use super::scenes::scenes;
+use super::shown::Shown;
 use super::trial::{Catch, REFUSED, Shot, Trial};
 use anyhow::{Context, Result, bail};
 use pipeline::wgsl;

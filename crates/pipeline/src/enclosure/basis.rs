@@ -3,8 +3,8 @@
 //! Column j of the inverse triangle holds the functions of degree j; read backwards it is de Boor's algorithm on the
 //! derivatives of a result by the N_r. The names are those of `eval::basis`.
 
-use super::OnSpan;
 use super::error::{Adjoint, Budget, DIVISORS, Error, FLUSH, NARROWING, NEIGHBOUR};
+use super::place::OnSpan;
 use crate::eval::Span;
 
 /// Values of functions and how far the program may be from them.

@@ -1,9 +1,19 @@
 //! What the fragment program does with the sums: quotient, normal, curvatures. The text of `eval`, on a tape.
 
-use super::Regularity;
 use super::error::NEIGHBOUR;
 use super::tape::{Number, Tape, plain, product};
 use crate::eval::{COLLAPSED, PARALLEL};
+
+/// What the program decides on a normal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regularity {
+    /// There is one.
+    Regular,
+    /// There is none.
+    Degenerate,
+    /// f32 may decide either way.
+    Either,
+}
 
 /// The results on the tape; `None` where nothing is known.
 pub(super) struct Tail {

@@ -1,20 +1,10 @@
 //! Masks drawn on the CPU.
 
-use super::{MaskPlan, Ring, Tile, curve_point};
+use super::plan::{MaskFill, MaskPlan};
+use super::tile::{Ring, Tile, curve_point};
 use earcut::Earcut;
 use rayon::prelude::*;
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
-
-/// How the CPU draws a mask.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
-pub enum MaskFill {
-    /// All loops at once by scan lines, even-odd (tiny-skia).
-    #[default]
-    EvenOdd,
-    /// Loop by loop, each cut into triangles by clipping its ears: outer ones are filled with one, inner ones with zero
-    /// (Wildcat).
-    Earcut,
-}
 
 impl MaskPlan {
     /// The texels of the atlas, row-major; 255 is material.

@@ -1,7 +1,7 @@
 //! How fine masks are, from an error in pixels, and how many chords their curves have.
 
 use super::atlas::{GREATEST_SIDE, shelve};
-use super::{MaskCurve, Ring, Tile};
+use super::tile::{MaskCurve, Ring, Tile};
 use glam::{DVec2, DVec3};
 use nurbs::{BezierCurve, DerivativeBounds, Surface};
 use rayon::prelude::*;
@@ -47,6 +47,17 @@ pub enum MaskQuality {
     },
 }
 
+/// How the CPU draws a mask.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum MaskFill {
+    /// All loops at once by scan lines, even-odd (tiny-skia).
+    #[default]
+    EvenOdd,
+    /// Loop by loop, each cut into triangles by clipping its ears: outer ones are filled with one, inner ones with zero
+    /// (Wildcat).
+    Earcut,
+}
+
 /// What masks are made for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaskOptions {
@@ -55,12 +66,12 @@ pub struct MaskOptions {
     /// Bytes, and so texels, of all of them together. What is finer than that is made coarser.
     pub memory: u64,
     /// How the CPU draws them.
-    pub fill: super::MaskFill,
+    pub fill: MaskFill,
 }
 
 impl Default for MaskOptions {
     fn default() -> Self {
-        Self { quality: MaskQuality::Error { px: 0.5 }, memory: 256 << 20, fill: super::MaskFill::default() }
+        Self { quality: MaskQuality::Error { px: 0.5 }, memory: 256 << 20, fill: MaskFill::default() }
     }
 }
 

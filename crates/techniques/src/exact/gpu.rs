@@ -16,6 +16,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use wgpu::{BufferBindingType, ShaderStages, TextureUsages};
 
+/// The technique's name.
+pub(super) const NAME: &str = "exact";
+
 /// Kernels `bound_hulls`, `meet_small`, `meet_large`, `choose`, `resolve_gbuffer` and `resolve_shaded`, and the search.
 pub(super) const PARTS: &[Part] = &[
     Part { file: "exact/entry.wgsl", text: include_str!("../../../../shaders/exact/entry.wgsl") },
@@ -68,7 +71,7 @@ impl Kernel {
 
 impl Drawable for Hulls {
     fn technique(&self) -> &'static str {
-        super::NAME
+        NAME
     }
 
     fn parts(&self) -> &'static [Part] {
@@ -178,7 +181,7 @@ impl Pass for Search {
     }
 
     fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
-        let hulls = drawn.of::<Hulls>(super::NAME)?;
+        let hulls = drawn.of::<Hulls>(NAME)?;
         (self.shared.pieces, self.shared.hulls) = upload(device, hulls)?;
         self.shared.ranges = ranges(hulls);
         Ok(())
@@ -186,7 +189,7 @@ impl Pass for Search {
 
     /// All of them where there are not as many.
     fn write_changes(&mut self, device: &Device, before: &dyn Drawable, after: &dyn Drawable) -> Result<u64, GpuError> {
-        let (before, after) = (before.of::<Hulls>(super::NAME)?, after.of::<Hulls>(super::NAME)?);
+        let (before, after) = (before.of::<Hulls>(NAME)?, after.of::<Hulls>(NAME)?);
         let [old, new] = [before, after].map(hull_records);
         if before.pieces.len() != after.pieces.len() || before.mesh.batches != after.mesh.batches {
             self.set(device, after)?;

@@ -10,6 +10,9 @@ use pipeline::{Batch, Mesh, Program, Vertex};
 use std::collections::HashMap;
 use wgpu::{BufferUsages, ShaderStages, TextureFormat, TextureUsages};
 
+/// The technique's name.
+pub(super) const NAME: &str = "fragment";
+
 /// Entry points `vertex`, `fragment_gbuffer` and `fragment_shaded`.
 pub(super) const PARTS: &[Part] =
     &[Part { file: "fragment/entry.wgsl", text: include_str!("../../../../shaders/fragment/entry.wgsl") }];
@@ -18,7 +21,7 @@ const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 
 impl Drawable for Tessellation {
     fn technique(&self) -> &'static str {
-        super::NAME
+        NAME
     }
 
     fn parts(&self) -> &'static [Part] {
@@ -165,12 +168,12 @@ impl Pass for Draw {
     }
 
     fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
-        self.mesh = MeshBuffers::new(device, &drawn.of::<Tessellation>(super::NAME)?.mesh)?;
+        self.mesh = MeshBuffers::new(device, &drawn.of::<Tessellation>(NAME)?.mesh)?;
         Ok(())
     }
 
     fn write_changes(&mut self, device: &Device, before: &dyn Drawable, after: &dyn Drawable) -> Result<u64, GpuError> {
-        let (before, after) = (before.of::<Tessellation>(super::NAME)?, after.of::<Tessellation>(super::NAME)?);
+        let (before, after) = (before.of::<Tessellation>(NAME)?, after.of::<Tessellation>(NAME)?);
         self.mesh.write_changes(device, &before.mesh, &after.mesh)
     }
 }

@@ -7,7 +7,7 @@
 //! Where strips end at the borders of their parameters, which the other parameter comes to at a slant, centres lie in a
 //! gap between two, a hair beyond either: there a face shows the nearest place of its border, and no other is near enough.
 
-use super::{Shown, framed, viewport};
+use crate::mutants::shown::{Shown, framed, viewport};
 use glam::{DVec2, DVec3, Vec2Swizzles, dvec2};
 use nurbs::{KnotVector, Surface};
 use pipeline::Scheme;

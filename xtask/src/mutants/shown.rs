@@ -1,0 +1,45 @@
+//! A scene that mutants are shown on.
+
+use crate::stage::Plan;
+use gbuffer::ShadeKind;
+use pipeline::Scheme;
+use scene::{Camera, Model, Viewport};
+
+/// A model, who looks, and how it is drawn.
+#[derive(Clone)]
+pub struct Shown {
+    /// What a mutant must not get wrong here.
+    pub name: &'static str,
+    /// What is drawn.
+    pub model: Model,
+    /// Who looks.
+    pub camera: Camera,
+    /// At how many pixels.
+    pub viewport: Viewport,
+    /// How it is drawn; the technique is set by who draws.
+    pub plan: Plan,
+    /// Cells of a uniform tessellation in place of one by chord error.
+    pub cells: Option<usize>,
+    /// What the picture shaded in the fragment stage shows.
+    pub shade: ShadeKind,
+    /// Whether that picture is shaded by normals interpolated from the vertices, and nothing else is judged.
+    pub vertex_normals: bool,
+    /// Whether the model fills the picture, so that a pixel that shows nothing is a crack between two faces.
+    pub fills: bool,
+}
+
+/// Side of the pictures.
+pub const SIDE: usize = 40;
+
+/// Of the pictures.
+pub fn viewport() -> Viewport {
+    Viewport::new(SIDE, SIDE).expect("a legal size")
+}
+
+/// A model as it is framed.
+pub fn framed(name: &'static str, model: Model, scheme: Scheme) -> Shown {
+    let (viewport, plan) = (viewport(), Plan { scheme, chord_px: 0.5, ..Plan::default() });
+    let camera = Camera::framing(&model, viewport);
+    let shade = ShadeKind::Isophotes;
+    Shown { name, model, camera, viewport, plan, cells: None, shade, vertex_normals: false, fills: false }
+}
