@@ -105,6 +105,8 @@ pub struct Deviation {
     pub edge_px: f64,
     /// The least bound with which a pixel has no verdict, pixels.
     pub limit_px: f64,
+    /// Whether the candidate searches for roots, so that a nearer surface that it does not show is one that it missed.
+    pub is_searched: bool,
     /// The share of covered pixels in which the candidate may say that it found no answer.
     pub unanswered_share: f64,
     /// All of it in words.
@@ -124,6 +126,7 @@ impl Deviation {
             edge_px: EDGE_PX,
             // A chord below 1/100 pixel cannot be asked for in earnest: vertices snap to 1/256.
             limit_px: TRIANGLES_MULTIPLE * asked_px.max(EXACT_PX),
+            is_searched: false,
             unanswered_share: 0.0,
             text: format!(
                 "chord bound of the tessellation (Filip, Magedson & Markot 1986) + {SNAP_PX} px of vertex snapping + \
@@ -176,6 +179,7 @@ impl Deviation {
             snap_px: EXACT_PX,
             edge_px: EDGE_PX,
             limit_px: EXACT_MULTIPLE * EXACT_PX,
+            is_searched: false,
             unanswered_share: 0.0,
             text: format!("{EXACT_PX} px from the pixel's ray"),
         }
@@ -186,7 +190,7 @@ impl Deviation {
         let unanswered_share = claims.unanswered_share();
         match claims {
             Claims::Chord => Self::of_proxy(interpolation, chord, asked_px),
-            Claims::OnRay => Self { unanswered_share, ..Self::exact() },
+            Claims::OnRay => Self { is_searched: true, unanswered_share, ..Self::exact() },
         }
     }
 
@@ -211,6 +215,7 @@ impl Deviation {
             snap_px: self.snap_px + other.snap_px,
             edge_px: self.edge_px + other.edge_px,
             limit_px: self.limit_px + other.limit_px,
+            is_searched: other.is_searched,
             unanswered_share: self.unanswered_share.max(other.unanswered_share),
             text: if self.text == other.text {
                 format!("on either side {}", self.text)

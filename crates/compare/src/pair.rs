@@ -20,9 +20,6 @@ const DEPTH_ULPS: f64 = 4.0;
 /// Cells along the sides of the grid on which a sampler is asked where the rings show nothing alike.
 const GRID: usize = 48;
 
-/// The technique, as a G-buffer's facts name it, that solves for the surface at each pixel.
-const EXACT: &str = "exact";
-
 /// Steps of the search for the place of a border that is nearest in the picture: it only has to come within the radius that
 /// is asked about, and its steps shrink quadratically along a border that is smooth.
 const BORDER_STEPS: u32 = 4;
@@ -125,7 +122,7 @@ impl Pair<'_, '_> {
         if self.setting.model.region(hidden.face).is_some() {
             return Cause::Trim;
         }
-        if self.candidate.meta().technique == EXACT { Cause::MissedRoot } else { otherwise }
+        if self.deviation.is_searched { Cause::MissedRoot } else { otherwise }
     }
 
     /// The candidate's trim edge, where it was asked for one.

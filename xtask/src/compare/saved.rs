@@ -25,7 +25,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use techniques::Technique;
 
 /// What the ray caster calls itself in a G-buffer. A file of that name is judged like any, under [`SAVED_RAYCAST`].
 const RAYCAST: &str = "raycast";
@@ -160,14 +159,16 @@ impl SavedFile {
     fn deviation(&self, saved: &Saved, plan: Plan, twins: Option<&Stage>) -> Result<Deviation> {
         let Saved { model, camera, viewport, .. } = saved;
         let meta = self.buffer.meta();
-        let known = techniques::named(&meta.technique).map(Technique::claims);
+        let known = techniques::named(&meta.technique).map(|technique| technique.claims());
         let Some(claims) = known.or_else(|| (meta.technique == RAYS).then_some(Claims::OnRay)) else {
             let names: Vec<&str> = techniques::ALL.iter().map(|t| t.name()).chain([RAYS]).collect();
             bail!("{}: meta's technique {:?} is none of {}", self.place(), meta.technique, names.join(", "))
         };
         let twins = twins.filter(|_| self.is_twin(plan));
         let deviation = match (claims, plan.technique.claims(), twins) {
-            (Claims::OnRay, ..) | (_, Claims::OnRay, _) => Deviation::exact(),
+            (Claims::OnRay, ..) | (_, Claims::OnRay, _) => {
+                Deviation { is_searched: known == Some(Claims::OnRay), ..Deviation::exact() }
+            }
             (Claims::Chord, _, Some(stage)) => {
                 Deviation::of_proxy(&stage.interpolation, stage.prepared.chord(), plan.chord_px)
             }
