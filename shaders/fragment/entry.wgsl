@@ -1,6 +1,5 @@
-// Entry points of technique `fragment`. The vertex stage places a triangle's corners; the fragment stage runs the
-// program at the interpolated (u, v).
-// Uses layout.wgsl eval.wgsl fragment.wgsl sight.wgsl output.wgsl
+// The vertex stage of technique `fragment`: it places a triangle's corners.
+// Uses layout.wgsl triangles.wgsl
 
 struct VertexInput {
     @location(0) position: vec3<f32>,
@@ -8,15 +7,6 @@ struct VertexInput {
     @location(2) face: u32,
     @location(3) span: vec2<u32>,
     @location(4) normal: vec3<f32>,
-}
-
-struct VertexOutput {
-    @builtin(position) clip: vec4<f32>,
-    @location(0) @interpolate(perspective) uv: vec2<f32>,
-    @location(1) @interpolate(flat) face: u32,
-    @location(2) @interpolate(perspective) normal: vec3<f32>,
-    @location(3) @interpolate(perspective) local: vec3<f32>,
-    @location(4) @interpolate(flat) span: vec2<u32>,
 }
 
 @vertex
@@ -30,56 +20,4 @@ fn vertex(in: VertexInput) -> VertexOutput {
     out.normal = in.normal;
     out.local = in.position;
     return out;
-}
-
-// The program at the interpolated (u, v), but on a skirt at the nearest place of its span; what lies behind is seen where the
-// face does not cover the pixel.
-fn shown(in: VertexOutput) -> Fragment {
-    let face = faces[in.face];
-    var f: Fragment;
-    var given = Parameters(in.span, in.uv);
-    var is_last = !TRIMMED;
-    // A loop, so that the program stands there once.
-    loop {
-        f = fragment(in.face, given);
-        if (is_last) {
-            break;
-        }
-        let pixel = sight(views[in.face], in.clip.xy);
-        let at = footprint(pixel, f.whole, f.position, f.su, f.sv);
-        let on_skirt = is_on_skirt(face, given);
-        if ((on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX) || !is_shown(face, at)) {
-            discard;
-        }
-        if (!on_skirt) {
-            break;
-        }
-        given.uv = nearest_on_span(face, f, pixel);
-        is_last = true;
-    }
-    return f;
-}
-
-// The place of a fragment's span that is nearest to a pixel in the picture, by the span's own parameters.
-fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> vec2<f32> {
-    let length_u = span_of(face.table_u, face.spans_u, degree(face.degree_u), f.span.x).length;
-    let length_v = span_of(face.table_v, face.spans_v, degree(face.degree_v), f.span.y).length;
-    return nearest(footprint(pixel, f.uv, f.position, f.su * length_u, f.sv * length_v));
-}
-
-@fragment
-fn fragment_gbuffer(in: VertexOutput) -> GBufferOutput {
-    let f = shown(in);
-    return gbuffer_output(in.face, f, in.clip.xy);
-}
-
-@fragment
-fn fragment_shaded(in: VertexOutput) -> @location(0) vec4<f32> {
-    let f = shown(in);
-    var normal = f.normal;
-    if (INTERPOLATED_NORMAL) {
-        normal = in.normal / sqrt(dot(in.normal, in.normal));
-    }
-    // The flat triangle's point is on the pixel's ray; S is off it by the chord.
-    return shaded_output(in.face, f, normal, in.local);
 }

@@ -87,11 +87,11 @@ pub struct View {
     pub units: [f32; 4],
 }
 
-/// A corner of a triangle of a mesh. 44 bytes.
+/// A corner of a triangle of a mesh. 48 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
-    /// S(u, v), or a hull's corner, in the face's local coordinates.
+    /// S(u, v), or a hull's corner, in the local coordinates of the face `frame`.
     pub position: [f32; 3],
     /// [`Parameters::uv`], beyond 0 … 1 at the corner of a skirt; zeros where a technique has none.
     pub uv: [f32; 2],
@@ -102,6 +102,9 @@ pub struct Vertex {
     /// Unit normal of the surface there (zero where it has none, and at a hull's corner), for interpolated
     /// shading only.
     pub normal: [f32; 3],
+    /// The face whose local coordinates the position has: of a corner that faces share, the same for all of them, so that it is
+    /// seen at the same place to the bit.
+    pub frame: u32,
 }
 
 #[cfg(test)]
@@ -112,6 +115,6 @@ mod tests {
     fn records_have_the_sizes_that_wgsl_gives_them() {
         assert_eq!(size_of::<FaceRecord>(), 48);
         assert_eq!(size_of::<View>(), 96);
-        assert_eq!(size_of::<Vertex>(), 44);
+        assert_eq!(size_of::<Vertex>(), 48);
     }
 }

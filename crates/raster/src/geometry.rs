@@ -45,7 +45,7 @@ impl<'a> Geometry<'a> {
     /// Runs the vertex stage on every vertex, and clips what needs it.
     pub fn new(mesh: &'a Mesh, views: &[View], viewport: Viewport) -> Self {
         let screen = Screen::new(viewport);
-        let clip_of = |v: &Vertex| clip_position(&views[v.face as usize], v.position);
+        let clip_of = |v: &Vertex| clip_position(&views[v.frame as usize], v.position);
         let corners: Vec<Option<Corner>> = mesh
             .vertices
             .par_iter()

@@ -1,12 +1,8 @@
 //! Technique `fragment`: a coarse tessellation carries (u, v, face); each fragment evaluates the surface there (Kanai 2007).
 //!
-//! [`tessellation`] cuts cells by a bound on the chord error, [`cpu`] and [`gpu`] draw the triangles.
+//! [`tessellation`] cuts cells by a bound on the chord error, [`gpu`] feeds the triangles to the device.
 
-mod bounds;
 mod cells;
-mod cpu;
-mod cut;
-mod frustum;
 mod gpu;
 mod grid;
 mod tessellation;
@@ -15,6 +11,7 @@ pub use tessellation::Tessellation;
 
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
+use crate::triangles::cpu::Triangles;
 use compare::Claims;
 use pipeline::wgsl::Part;
 use raster::Drawing;
@@ -63,7 +60,7 @@ impl Prepared for Tessellation {
     }
 
     fn visibility<'a>(&'a self, drawing: Drawing<'a>) -> Box<dyn Visibility + 'a> {
-        Box::new(cpu::Triangles::new(&self.mesh, drawing))
+        Box::new(Triangles::new(&self.mesh, drawing))
     }
 
     /// The triangles keep their parameters, so that few bytes are new.

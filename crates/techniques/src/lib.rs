@@ -6,8 +6,8 @@
 mod error;
 pub mod exact;
 pub mod fragment;
-mod patches;
 mod technique;
+mod triangles;
 
 pub use error::PrepareError;
 pub use technique::{Prepared, Setting, Technique};

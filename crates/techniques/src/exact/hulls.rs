@@ -3,7 +3,7 @@
 use super::pieces::{HULL_TRIANGLES, pieces_of};
 use super::record::PieceRecord;
 use crate::error::PrepareError;
-use crate::patches::spans_of;
+use crate::triangles::patches::spans_of;
 use nurbs::{Hull, Surface};
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Vertex, in_drawing_order};
 use rayon::prelude::*;
@@ -60,8 +60,14 @@ impl Hulls {
             let first = mesh.indices.len() as u32;
             for piece in &of_faces[id] {
                 let base = mesh.vertices.len() as u32;
-                let vertex =
-                    |position| Vertex { position, uv: [0.0; 2], face: id as u32, span: [0; 2], normal: [0.0; 3] };
+                let vertex = |position| Vertex {
+                    position,
+                    uv: [0.0; 2],
+                    face: id as u32,
+                    span: [0; 2],
+                    normal: [0.0; 3],
+                    frame: id as u32,
+                };
                 mesh.vertices.extend(piece.corners.map(vertex));
                 mesh.indices.extend(HULL_TRIANGLES.as_flattened().iter().map(|corner| base + corner));
                 pieces.push(piece.record);

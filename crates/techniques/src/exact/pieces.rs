@@ -6,7 +6,7 @@
 
 use super::newton::PATIENCE;
 use super::record::PieceRecord;
-use crate::patches::patches_on;
+use crate::triangles::patches::patches_on;
 use glam::DVec3;
 use nurbs::{BezierPatch, Hull};
 use pipeline::PackedScene;

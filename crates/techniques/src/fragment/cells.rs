@@ -1,7 +1,7 @@
 //! How many cells a face is cut into, and the chord error that they come to.
 
-use super::bounds::Bounds;
-use crate::patches::{patches_on, spans_of};
+use crate::triangles::bounds::Bounds;
+use crate::triangles::patches::{patches_on, spans_of};
 use nurbs::{DerivativeBounds, Surface};
 use pipeline::PackedFrame;
 use scene::Region;

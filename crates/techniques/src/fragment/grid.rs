@@ -136,5 +136,6 @@ pub(super) fn corner(model: &Model, scene: &PackedScene, id: usize, at: Paramete
         face: id as u32,
         span: at.span,
         normal: normal.to_array().map(|x| x as f32),
+        frame: id as u32,
     }
 }

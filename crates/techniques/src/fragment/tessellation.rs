@@ -1,11 +1,11 @@
 //! The triangles of technique `fragment`: a coarse tessellation, whose corners carry (u, v, face).
 
-use super::bounds::Bounds;
 use super::cells::{Cells, GREATEST_CELLS, REFINED_TRIANGLES, Wanted, chord_bounds, total};
-use super::frustum::Frustum;
 use super::grid::{Grid, Skirt, corner, grids_of_spans, mesh};
 use crate::error::PrepareError;
-use crate::patches::spans_of;
+use crate::triangles::bounds::Bounds;
+use crate::triangles::frustum::Frustum;
+use crate::triangles::patches::spans_of;
 use nurbs::{BezierPatch, Surface};
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Parameters, SEARCHED, Vertex, in_drawing_order};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Technique `fragment` on the CPU: the nearest triangle carries (u, v).
+//! Who is seen on the CPU: the nearest triangle carries (u, v).
 
 use super::cut::{self, Waiting};
 use pipeline::{Mesh, Parameters};

@@ -4,11 +4,11 @@ use nurbs::{BezierPatch, DerivativeBounds};
 
 /// Bounds of the derivatives of a surface's Bézier patches, part by part: of a patch with a large weight they differ by orders of
 /// magnitude from one place to another.
-pub(super) struct Bounds {
+pub struct Bounds {
     /// How many equal parts each span in u and in v is cut into.
-    pub(super) parts: [Vec<usize>; 2],
+    pub parts: [Vec<usize>; 2],
     /// Of each patch, row-major in u, its width and height, and of its parts, row-major in u, the bounds.
-    pub(super) patches: Vec<([f64; 2], Vec<DerivativeBounds>)>,
+    pub patches: Vec<([f64; 2], Vec<DerivativeBounds>)>,
 }
 
 /// A span has one part where the weights of each patch on it vary by no more than this, else as many as the root of their ratio,
@@ -20,7 +20,7 @@ const GREATEST_PARTS: usize = 64;
 
 impl Bounds {
     /// Those of all patches of a surface, row-major in u.
-    pub(super) fn of(patches: &[BezierPatch]) -> Self {
+    pub fn of(patches: &[BezierPatch]) -> Self {
         let spans_v = patches.iter().take_while(|patch| patch.domain[0] == patches[0].domain[0]).count();
         let mut parts = [vec![1; patches.len() / spans_v], vec![1; spans_v]];
         for (index, ratio) in
@@ -43,12 +43,12 @@ impl Bounds {
     }
 
     /// The spans of a patch, by their places in the lists of parts.
-    pub(super) fn spans(&self, index: usize) -> [usize; 2] {
+    pub fn spans(&self, index: usize) -> [usize; 2] {
         [index / self.parts[1].len(), index % self.parts[1].len()]
     }
 
     /// The greatest chord of a patch whose parts are cut into so many cells, along u and along v.
-    pub(super) fn chord(&self, index: usize, [u, v]: [&[usize]; 2]) -> f64 {
+    pub fn chord(&self, index: usize, [u, v]: [&[usize]; 2]) -> f64 {
         let ([width, height], bounds) = &self.patches[index];
         let [width, height] = [width / u.len() as f64, height / v.len() as f64];
         let of_part = |(k, bounds): (usize, &DerivativeBounds)| {

@@ -4,7 +4,7 @@ use scene::Region;
 use std::ops::Range;
 
 /// The spans in u and in v that a face comes to, and one more on either side: all of them where no loops bound it.
-pub(crate) fn spans_of(region: Option<&Region>, breaks: &[Vec<f64>; 2]) -> [Range<usize>; 2] {
+pub fn spans_of(region: Option<&Region>, breaks: &[Vec<f64>; 2]) -> [Range<usize>; 2] {
     [0, 1].map(|k| {
         let (starts, ends) = (&breaks[k][..breaks[k].len() - 1], &breaks[k][1..]);
         let Some(hull) = region.map(Region::hull) else { return 0..starts.len() };
@@ -15,7 +15,7 @@ pub(crate) fn spans_of(region: Option<&Region>, breaks: &[Vec<f64>; 2]) -> [Rang
 }
 
 /// The patches, row-major in u, on ranges of spans in u and in v, where there are `columns` spans in v.
-pub(crate) fn patches_on(spans: &[Range<usize>; 2], columns: usize) -> impl Iterator<Item = usize> {
+pub fn patches_on(spans: &[Range<usize>; 2], columns: usize) -> impl Iterator<Item = usize> {
     let [us, vs] = spans.clone();
     us.flat_map(move |k| vs.clone().map(move |l| k * columns + l))
 }

@@ -5,7 +5,7 @@ use nurbs::Hull;
 use scene::{Camera, Viewport};
 
 /// The half-spaces that hold what a picture shows.
-pub(super) struct Frustum {
+pub struct Frustum {
     /// A plane (n, d) has what is outside at n · p + d < 0.
     planes: [DVec4; 5],
 }
@@ -14,7 +14,7 @@ pub(super) struct Frustum {
 const MARGIN: f64 = 1.0 / 16.0;
 
 impl Frustum {
-    pub(super) fn new(camera: &Camera, viewport: Viewport) -> Self {
+    pub fn new(camera: &Camera, viewport: Viewport) -> Self {
         let rows = camera.clip_from_world(viewport, 1.0).transpose();
         let [x, y, w] = [rows.x_axis, rows.y_axis, rows.w_axis];
         let wide = w * (1.0 + MARGIN);
@@ -23,7 +23,7 @@ impl Frustum {
     }
 
     /// Whether a box is not wholly outside one of the planes.
-    pub(super) fn meets(&self, hull: &Hull) -> bool {
+    pub fn meets(&self, hull: &Hull) -> bool {
         let corners = hull.corners();
         self.planes.iter().all(|plane| corners.iter().any(|corner| plane.dot(corner.extend(1.0)) >= 0.0))
     }

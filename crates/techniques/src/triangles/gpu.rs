@@ -1,0 +1,209 @@
+//! Triangles on the device: the fragment stage runs the program, and a depth buffer keeps the nearest.
+
+use gpu::{
+    DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets,
+    as_shader_error,
+};
+use pipeline::Program;
+use pipeline::wgsl::Part;
+use std::collections::HashMap;
+use wgpu::{RenderPass, RenderPipeline, TextureFormat, TextureUsages};
+
+/// What fragments of triangles do: entry points `fragment_gbuffer` and `fragment_shaded`.
+pub const PART: Part = Part { file: "triangles.wgsl", text: include_str!("../../../../shaders/triangles.wgsl") };
+
+const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+
+/// What the vertex stage of a technique is fed with.
+pub trait Feed: Clone + Sized + 'static {
+    /// What a technique has prepared.
+    type Prepared: Drawable;
+
+    /// Uploads it.
+    ///
+    /// # Errors
+    /// As of [`Drawable::pass`].
+    fn new(device: &Device, prepared: &Self::Prepared) -> Result<Self, GpuError>;
+
+    /// The layouts of groups 1, 2 …
+    fn layouts(&self) -> Vec<&wgpu::BindGroupLayout> {
+        vec![]
+    }
+
+    /// What a pipeline fetches from vertex buffers.
+    fn buffers() -> &'static [Option<wgpu::VertexBufferLayout<'static>>] {
+        &[]
+    }
+
+    /// Draws all, in order, each with the pipeline of its program; of a program that no face has nothing is drawn.
+    fn draw<'p>(&self, pass: &mut RenderPass<'_>, pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>);
+
+    /// Uploads what differs between two, and says how many bytes that is.
+    ///
+    /// # Errors
+    /// As of [`Pass::write_changes`].
+    fn write_changes(
+        &mut self,
+        device: &Device,
+        before: &Self::Prepared,
+        after: &Self::Prepared,
+    ) -> Result<u64, GpuError>;
+}
+
+/// The triangles and what draws them.
+pub struct Draw<F> {
+    technique: &'static str,
+    depth: DepthOrder,
+    fed: F,
+    layout: wgpu::PipelineLayout,
+    /// Made when first drawn with: a driver may take seconds to compile one.
+    pipelines: HashMap<(Program, Output), RenderPipeline>,
+}
+
+impl<F: Feed> Draw<F> {
+    /// Uploads what was prepared.
+    ///
+    /// # Errors
+    /// As of [`Drawable::pass`].
+    pub fn new(
+        device: &Device,
+        scene: &SceneBuffers,
+        prepared: &F::Prepared,
+        depth: DepthOrder,
+    ) -> Result<Self, GpuError> {
+        let fed = F::new(device, prepared)?;
+        let layout = device.guarded("setting up", || {
+            let groups: Vec<_> = [&scene.layout].into_iter().chain(fed.layouts()).map(Some).collect();
+            device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("scene"),
+                bind_group_layouts: &groups,
+                immediate_size: 0,
+            })
+        })?;
+        Ok(Self { technique: prepared.technique(), depth, fed, layout, pipelines: HashMap::new() })
+    }
+
+    fn pipeline(
+        &self,
+        device: &Device,
+        program: Program,
+        module: &wgpu::ShaderModule,
+        output: Output,
+    ) -> Result<wgpu::RenderPipeline, GpuError> {
+        let entry = match output {
+            Output::GBuffer => "fragment_gbuffer",
+            Output::Shaded => "fragment_shaded",
+        };
+        let targets: Vec<_> = output.formats().iter().map(|&format| Some(format.into())).collect();
+        let compare = match self.depth {
+            DepthOrder::Nearest => wgpu::CompareFunction::Greater,
+            DepthOrder::Farthest => wgpu::CompareFunction::Less,
+        };
+        let descriptor = wgpu::RenderPipelineDescriptor {
+            label: Some(entry),
+            layout: Some(&self.layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some("vertex"),
+                compilation_options: Default::default(),
+                buffers: F::buffers(),
+            },
+            // Nothing is culled: a surface is seen from both its sides.
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(compare),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module,
+                entry_point: Some(entry),
+                compilation_options: Default::default(),
+                targets: &targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        };
+        device
+            .guarded("compiling a pipeline", || device.wgpu.create_render_pipeline(&descriptor))
+            .map_err(|error| as_shader_error(error, program, entry))
+    }
+}
+
+impl<F: Feed> Pass for Draw<F> {
+    fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
+        for (&program, module) in modules {
+            if !self.pipelines.contains_key(&(program, output)) {
+                let pipeline = self.pipeline(device, program, module, output)?;
+                self.pipelines.insert((program, output), pipeline);
+            }
+        }
+        Ok(())
+    }
+
+    fn frame(&self, device: &Device, targets: &Targets) -> Result<Box<dyn Frame>, GpuError> {
+        let depth_buffer = device.guarded("allocating the picture", || {
+            let usage = TextureUsages::RENDER_ATTACHMENT;
+            device.texture("depth", targets.viewport, DEPTH_FORMAT, usage).create_view(&Default::default())
+        })?;
+        let Self { depth, fed, pipelines, .. } = self;
+        Ok(Box::new(Drawn { depth: *depth, fed: fed.clone(), pipelines: pipelines.clone(), depth_buffer }))
+    }
+
+    fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
+        self.fed = F::new(device, drawn.of(self.technique)?)?;
+        Ok(())
+    }
+
+    fn write_changes(&mut self, device: &Device, before: &dyn Drawable, after: &dyn Drawable) -> Result<u64, GpuError> {
+        self.fed.write_changes(device, before.of(self.technique)?, after.of(self.technique)?)
+    }
+}
+
+/// One picture of the triangles.
+struct Drawn<F> {
+    depth: DepthOrder,
+    fed: F,
+    pipelines: HashMap<(Program, Output), RenderPipeline>,
+    depth_buffer: wgpu::TextureView,
+}
+
+impl<F: Feed> Frame for Drawn<F> {
+    fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &SceneBuffers,
+        targets: &Targets,
+        stamps: Option<Stamps<'_>>,
+    ) {
+        let farthest = match self.depth {
+            DepthOrder::Nearest => 0.0,
+            DepthOrder::Farthest => 1.0,
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("draw"),
+            color_attachments: &targets.cleared(),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth_buffer,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(farthest),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: stamps.map(|Stamps { set, start }| wgpu::RenderPassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: Some(start),
+                end_of_pass_write_index: Some(start + 1),
+            }),
+            ..Default::default()
+        });
+        let (width, height) = (targets.viewport.width() as f32, targets.viewport.height() as f32);
+        pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+        pass.set_bind_group(0, &scene.group, &[]);
+        self.fed.draw(&mut pass, &|program| self.pipelines.get(&(program, targets.output)));
+    }
+}
