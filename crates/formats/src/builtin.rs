@@ -3,15 +3,17 @@
 //! The made ones are about a unit in size, z up, and good to look at from the direction (1, −1.6, 0.9). They are the
 //! same numbers on every machine: `+ − × ÷ √` and the sine and cosine of the `libm` crate.
 
+use crate::construction::{
+    CIRCLE, QUARTERS, clamped, embedded, even, greville, knots, revolved, sample, sampled, sphere, surface,
+};
 use crate::hard::hard;
-use crate::json;
 use crate::trimmed::trimmed;
 use crate::wrap::wrap;
 use glam::{DVec3, DVec4};
 use libm::{cos, sin};
 use nurbs::{KnotVector, Surface};
 use scene::Model;
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::f64::consts::TAU;
 
 /// Names of the built-in models, each with a line on what it is.
 pub const BUILTINS: &[(&str, &str)] = &[
@@ -50,91 +52,6 @@ pub fn builtin(name: &str) -> Option<Model> {
         _ => return hard(name).or_else(|| trimmed(name)),
     };
     Some(Model::of_surfaces(name, surfaces).expect("each has a surface"))
-}
-
-pub(crate) fn embedded(text: &str) -> Model {
-    json::parse(text, "built in").expect("the embedded files are legal, as a test shows")
-}
-
-pub(crate) fn knots(degree: usize, knots: &[f64]) -> KnotVector {
-    KnotVector::new(degree, knots.to_vec()).expect("written out below, or made sorted")
-}
-
-/// Clamped knots over \[0, 1\] with the given interior ones.
-pub(crate) fn clamped(degree: usize, interior: &[f64]) -> KnotVector {
-    knots(degree, &[&vec![0.0; degree + 1], interior, &vec![1.0; degree + 1]].concat())
-}
-
-/// Clamped knots over \[0, 1\] for `count` control points, evenly spaced.
-pub(crate) fn even(degree: usize, count: usize) -> KnotVector {
-    let spans = count - degree;
-    clamped(degree, &(1..spans).map(|i| i as f64 / spans as f64).collect::<Vec<_>>())
-}
-
-pub(crate) fn surface(
-    knots_u: KnotVector,
-    knots_v: KnotVector,
-    points: Vec<DVec3>,
-    weights: Option<Vec<f64>>,
-) -> Surface {
-    Surface::new(knots_u, knots_v, points, weights).expect("counts follow from the knots, and numbers are finite")
-}
-
-/// The Greville abscissa of control point `i`, as a share of the domain.
-fn greville(knots: &KnotVector, i: usize) -> f64 {
-    let p = knots.degree();
-    let sum: f64 = knots.knots()[i + 1..=i + p].iter().sum();
-    (sum / p as f64 - knots.domain().0) / knots.length()
-}
-
-/// Control points on `shape`, which maps the unit square, at the Greville abscissae.
-pub(crate) fn sample(knots_u: &KnotVector, knots_v: &KnotVector, shape: impl Fn(f64, f64) -> DVec3) -> Vec<DVec3> {
-    let mut points = vec![];
-    for i in 0..knots_u.control_count() {
-        for j in 0..knots_v.control_count() {
-            points.push(shape(greville(knots_u, i), greville(knots_v, j)));
-        }
-    }
-    points
-}
-
-pub(crate) fn sampled(knots_u: KnotVector, knots_v: KnotVector, shape: impl Fn(f64, f64) -> DVec3) -> Surface {
-    let points = sample(&knots_u, &knots_v, shape);
-    surface(knots_u, knots_v, points, None)
-}
-
-/// The unit circle in nine points (Piegl & Tiller, Sec. 7.5): x, y, weight.
-const CIRCLE: [[f64; 3]; 9] = [
-    [1.0, 0.0, 1.0],
-    [1.0, 1.0, FRAC_1_SQRT_2],
-    [0.0, 1.0, 1.0],
-    [-1.0, 1.0, FRAC_1_SQRT_2],
-    [-1.0, 0.0, 1.0],
-    [-1.0, -1.0, FRAC_1_SQRT_2],
-    [0.0, -1.0, 1.0],
-    [1.0, -1.0, FRAC_1_SQRT_2],
-    [1.0, 0.0, 1.0],
-];
-
-/// Interior knots of [`CIRCLE`].
-const QUARTERS: [f64; 6] = [0.25, 0.25, 0.5, 0.5, 0.75, 0.75];
-
-/// A profile of radius, height and weight, turned about the z axis; u goes round, v along the profile.
-pub(crate) fn revolved(profile: &[[f64; 3]], knots_v: KnotVector) -> Surface {
-    let (mut points, mut weights) = (vec![], vec![]);
-    for [x, y, w] in CIRCLE {
-        for [radius, z, w_profile] in profile {
-            points.push(DVec3::new(radius * x, radius * y, *z));
-            weights.push(w * w_profile);
-        }
-    }
-    surface(clamped(2, &QUARTERS), knots_v, points, Some(weights))
-}
-
-pub(crate) fn sphere() -> Surface {
-    let meridian =
-        [[0.0, -1.0, 1.0], [1.0, -1.0, FRAC_1_SQRT_2], [1.0, 0.0, 1.0], [1.0, 1.0, FRAC_1_SQRT_2], [0.0, 1.0, 1.0]];
-    revolved(&meridian, clamped(2, &[0.5, 0.5]))
 }
 
 /// Radii 0.75 and 0.25.

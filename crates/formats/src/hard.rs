@@ -3,7 +3,7 @@
 //! They open by name like the other built-in models, so that any pixel of a conformance report can be asked for again.
 //! Those of `testdata/cases` are embedded; the rest are made here.
 
-use crate::builtin::{clamped, embedded, even, revolved, sampled, surface};
+use crate::construction::{clamped, embedded, even, revolved, sampled, surface};
 use glam::DVec3;
 use libm::{cos, sin};
 use nurbs::Surface;

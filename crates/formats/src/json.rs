@@ -59,12 +59,6 @@ use std::path::Path;
 
 pub use write::write;
 
-/// The value of `format`.
-const FORMAT: &str = "nurbs-neutral";
-
-/// The value of `version`.
-const VERSION: u64 = 1;
-
 /// The most faces and trims that stand in no file, but are copies for the parts of torn surfaces.
 const COPIED: usize = 100_000;
 

@@ -7,6 +7,7 @@
 
 pub mod bpt;
 mod builtin;
+mod construction;
 mod error;
 mod hard;
 pub mod json;

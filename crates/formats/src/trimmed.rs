@@ -10,14 +10,14 @@ mod seam_pair;
 #[cfg(test)]
 mod tests;
 
-use crate::builtin::{clamped, even, knots, revolved, sampled, sphere};
+use crate::construction::{clamped, even, knots, revolved, sampled, sphere};
 use glam::{DVec2, DVec3, dvec2};
 use letters::WORD;
 use libm::{cos, sin};
 use nurbs::Surface;
 use outline::{
-    Way, bezier, closed_cubic, contour, cusp, ellipse, inner, line, open_cubic, outer, pole, polygon, quarters_against,
-    rectangle, reversed, rounded_against, seam,
+    TrimmedSurface, Way, bezier, closed_cubic, contour, cusp, ellipse, inner, line, open_cubic, outer, pole, polygon,
+    quarters_against, rectangle, reversed, rounded_against, seam,
 };
 use scene::{Face, Loop, Model, Trim};
 use std::f64::consts::TAU;
@@ -54,9 +54,6 @@ pub(crate) fn trimmed(name: &str) -> Option<Model> {
     let faces = loops.into_iter().enumerate().map(face).collect();
     Some(Model::new(name, surfaces, faces).expect("each face has its surface"))
 }
-
-/// A surface and the loops of the face on it.
-type TrimmedSurface = (Surface, Vec<Loop>);
 
 /// Holes along each side of the plate.
 const HOLES: usize = 10;

@@ -29,12 +29,14 @@
 //! The zip reader is the `zip` crate; array headers are read by `npy`, as the `npyz` crate takes memory for as long a
 //! header as a file claims to have and overflows on the product of a shape.
 
+mod array;
 mod element;
 mod meta;
 mod read;
 
 use crate::npy::Header;
 use crate::{GBuffer, GBufferError, Hit, Meta};
+use array::{CHUNK_ELEMENTS, shape};
 use files::ReadError;
 use glam::{DVec2, DVec3};
 use meta::MetaText;
@@ -56,9 +58,6 @@ const ZIP64_FROM: u64 = 0xf000_0000;
 
 /// Deflate's effort. Digits of f64 hardly compress; more effort gains little and costs much.
 const DEFLATE_LEVEL: i64 = 1;
-
-/// Elements decoded at a time.
-const CHUNK_ELEMENTS: usize = 4096;
 
 impl GBuffer {
     /// Writes the buffer to a file, replacing what is there.
@@ -241,9 +240,4 @@ impl<W: Write + Seek> Archive<'_, W> {
         self.start("meta", Header::new(format!("<U{}", units.len() / 4), vec![]), units.len() as u64)?;
         self.zip.write_all(&units)
     }
-}
-
-/// Rows, columns and, for vectors, components.
-fn shape(viewport: Viewport, components: Option<u64>) -> Vec<u64> {
-    [viewport.height() as u64, viewport.width() as u64].into_iter().chain(components).collect()
 }

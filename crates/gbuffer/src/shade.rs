@@ -7,13 +7,15 @@
 //! adapters that neither fuse nor approximate: bands are found in tables of thresholds, not by arc cosines.
 //!
 //! Colours are display values from 0 to 1, stored as they are in 8 bits a channel by rounding to the nearest
-//! ([`unorm8`]); no transfer function is applied on the way.
+//! ([`unorm8`]); no transfer function is applied on the way. [`pictures`] makes pictures of them.
 //!
 //! Kinds whose arguments are cut into bands ([`ShadeKind::Isophotes`], [`ShadeKind::Zebra`], [`ShadeKind::Checker`])
 //! jump at the bands' edges: [`shade_tolerant`] gives the colours on both sides, so that an edge that lies a rounding
 //! error elsewhere can be told from a wrong colour.
 
-use crate::{GBuffer, GBufferError, Hit, Picture};
+mod pictures;
+
+use crate::{GBufferError, Hit};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec2, Vec3};
 use nurbs::NormalStatus;
@@ -168,52 +170,6 @@ impl Shading {
             padding: 0.0,
             thresholds,
         }
-    }
-
-    /// A strip, 24 pixels wide, of the colours of this kind from its greatest value on top to its least, with a tick
-    /// at both ends and at each quarter; `None` for kinds without a scale.
-    ///
-    /// Isophotes: 0° on top, 90° at the bottom. Curvatures: x / (1 + |x|) from 1 on top to −1, so that the ticks stand
-    /// for x = ∞, 1, 0, −1, −∞; x is the curvature scaled as in [`ShadeKind`].
-    pub fn legend(&self, height: usize) -> Option<Picture> {
-        match self.kind {
-            ShadeKind::Isophotes => Some(Picture::legend(height, |t| {
-                let bands = (90.0 / self.band_deg).ceil() as f32;
-                let band = ((1.0 - t) * 90.0 / self.band_deg).floor() as f32;
-                unorm8(isophote_colour(bands, band.min(bands - 1.0)))
-            })),
-            ShadeKind::Gaussian | ShadeKind::Mean => {
-                Some(Picture::legend(height, |t| unorm8(diverging_colour((2.0 * t - 1.0) as f32))))
-            }
-            _ => None,
-        }
-    }
-}
-
-impl GBuffer {
-    /// The buffer as a picture of `model`, as `camera` sees it; pixels without a hit have the colour [`background`].
-    ///
-    /// # Errors
-    /// [`GBufferError::NoSuchFace`] where a hit is on a face that the model does not have.
-    pub fn shaded(&self, shading: &Shading, model: &Model, camera: &Camera) -> Result<Picture, GBufferError> {
-        let uniform = shading.uniform(camera, model.hull().diagonal());
-        let viewport = self.viewport();
-        let mut rgb = Vec::with_capacity(viewport.pixels());
-        for y in 0..viewport.height() {
-            for x in 0..viewport.width() {
-                rgb.push(match self.get(x, y) {
-                    None => background(),
-                    Some(hit) => {
-                        let (face, count) = (hit.face.0, model.faces().len());
-                        let ray = camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5);
-                        let input = ShadeInput::new(hit, model, &ray);
-                        let input = input.ok_or(GBufferError::NoSuchFace { x, y, face, count })?;
-                        unorm8(shade_pixel(&uniform, &input))
-                    }
-                });
-            }
-        }
-        Picture::new(viewport.width(), viewport.height(), rgb)
     }
 }
 

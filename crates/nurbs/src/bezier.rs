@@ -1,6 +1,7 @@
 //! Bézier patches: one polynomial (or rational) piece of a surface, for culling, bounding and root finding.
 
-use crate::bounds::{Hull, ratio};
+use crate::hull::Hull;
+use crate::weights::ratio;
 use crate::{FirstDerivatives, MAX_ORDER};
 use glam::{DVec3, DVec4};
 

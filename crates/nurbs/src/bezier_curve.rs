@@ -1,7 +1,7 @@
 //! Plane rational Bézier curves: evaluation, subdivision, and the area under them.
 
 use crate::MAX_ORDER;
-use crate::bounds::ratio;
+use crate::weights::ratio;
 use glam::{DVec2, DVec3};
 
 /// Halvings before an area stops being refined; each gains at least a factor 2³² on an analytic integrand.

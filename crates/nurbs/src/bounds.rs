@@ -1,78 +1,8 @@
-//! Bounds that hold for a whole Bézier patch or curve: its box, and the lengths of its derivatives.
+//! Bounds that hold for a whole Bézier patch or curve: a close box, and the lengths of its derivatives.
 
+use crate::hull::{Hull, OUTWARD};
 use crate::{BezierCurve, BezierPatch};
 use glam::{DVec2, DVec3, DVec4};
-
-/// Relative slack by which bounds are widened, so that rounding in their own computation cannot make them false.
-///
-/// The longest chain behind a bound is under 100 operations, each within 2⁻⁵³ of the running maximum.
-const OUTWARD: f64 = 1e-13;
-
-/// An axis-aligned box in model units that holds all it was made of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hull {
-    /// Least coordinates.
-    pub min: DVec3,
-    /// Greatest coordinates.
-    pub max: DVec3,
-}
-
-impl Hull {
-    /// The box of `points`, rounded outward; of none, the empty box (`min` = +∞, `max` = −∞).
-    pub fn of(points: impl IntoIterator<Item = DVec3>) -> Self {
-        let empty = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
-        points.into_iter().fold(empty, |hull, p| {
-            let slack = p.abs() * OUTWARD;
-            Self { min: hull.min.min(p - slack), max: hull.max.max(p + slack) }
-        })
-    }
-
-    /// The smallest box that holds both.
-    pub fn union(self, other: Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    /// The middle of the box.
-    pub fn center(&self) -> DVec3 {
-        self.min + 0.5 * (self.max - self.min)
-    }
-
-    /// Length of the diagonal.
-    pub fn diagonal(&self) -> f64 {
-        length(self.max - self.min)
-    }
-
-    /// The eight corners.
-    pub fn corners(&self) -> [DVec3; 8] {
-        std::array::from_fn(|i| {
-            let pick = |bit: usize, low: f64, high: f64| if i >> bit & 1 == 0 { low } else { high };
-            DVec3::new(
-                pick(0, self.min.x, self.max.x),
-                pick(1, self.min.y, self.max.y),
-                pick(2, self.min.z, self.max.z),
-            )
-        })
-    }
-}
-
-/// The length of a vector, also where the square of it leaves f64.
-fn length(v: DVec3) -> f64 {
-    let unit = power_of_two(v.abs().max_element());
-    (v * unit.recip()).length() * unit
-}
-
-/// The greatest power of two that is at most `x`, which is not negative; at least the smallest normal number.
-///
-/// Its reciprocal is exact, so that the product with that has the bits of the quotient.
-pub fn power_of_two(x: f64) -> f64 {
-    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
-}
-
-/// The greatest of some weights over the least.
-pub(crate) fn ratio(weights: impl Iterator<Item = f64>) -> f64 {
-    let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(least, most), w| (least.min(w), most.max(w)));
-    most / least
-}
 
 /// Upper bounds of the lengths of the partial derivatives over a patch, by the parent surface's parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -252,17 +182,4 @@ fn greatest(rows: usize, columns: usize, difference: impl Fn(usize, usize) -> DV
         }
     }
     found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_power_of_two_is_found_at_or_below() {
-        for (x, below) in [(1.0, 1.0), (1.9, 1.0), (0.75, 0.5), (1e6, 524288.0), (f64::MAX, 2f64.powi(1023))] {
-            assert_eq!(power_of_two(x), below);
-        }
-        assert_eq!(power_of_two(0.0), f64::MIN_POSITIVE);
-    }
 }

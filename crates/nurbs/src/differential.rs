@@ -1,7 +1,7 @@
 //! What a surface looks like at a point: its normal, with how far to trust it, and its curvatures.
 
 use crate::basis::binomial;
-use crate::bounds::power_of_two;
+use crate::scale::power_of_two;
 use crate::{Direction, SecondDerivatives, Surface};
 use glam::{DVec2, DVec3};
 

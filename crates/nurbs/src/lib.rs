@@ -12,26 +12,33 @@ mod blossom;
 mod bounds;
 mod curve;
 mod degree;
+mod derivatives;
 mod differential;
 mod error;
+mod hull;
 mod knots;
 mod monotone;
 mod project;
+mod scale;
 mod space_curve;
 mod surface;
+mod weights;
 
 pub use basis::basis_derivatives;
 pub use bezier::BezierPatch;
 pub use bezier_curve::{BezierCurve, Rectangle};
-pub use bounds::{DerivativeBounds, Hull, power_of_two};
+pub use bounds::DerivativeBounds;
 pub use curve::Curve;
 pub use degree::Reduced;
+pub use derivatives::{FirstDerivatives, SecondDerivatives};
 pub use differential::{Curvature, Normal, NormalStatus, SurfacePoint};
 pub use error::NurbsError;
+pub use hull::Hull;
 pub use knots::KnotVector;
 pub use project::{Projection, Projector};
+pub use scale::power_of_two;
 pub use space_curve::SpaceCurve;
-pub use surface::{Direction, FirstDerivatives, SecondDerivatives, Surface};
+pub use surface::{Direction, Surface};
 
 /// The highest degree, in either direction. Fixed arrays of the evaluators have this plus one entries.
 pub const MAX_DEGREE: usize = 15;

@@ -1,7 +1,8 @@
 //! NURBS curves in space: the profiles that Wildcat trims surfaces with.
 
 use crate::blossom::blossom;
-use crate::surface::{checked_weights, usable};
+use crate::surface::usable;
+use crate::weights::checked_weights;
 use crate::{KnotVector, MAX_DEGREE, NurbsError};
 use glam::{DVec3, DVec4};
 

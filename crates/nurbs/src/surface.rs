@@ -2,18 +2,13 @@
 
 use crate::basis::{Basis, basis, basis_derivatives_local, basis_local, binomial};
 use crate::blossom::{bezier_points, reexpress};
-use crate::bounds::{Hull, power_of_two};
-use crate::{BezierPatch, KnotVector, MAX_ORDER, NurbsError, basis_derivatives};
+use crate::hull::Hull;
+use crate::weights::checked_weights;
+use crate::{BezierPatch, FirstDerivatives, KnotVector, MAX_ORDER, NurbsError, SecondDerivatives, basis_derivatives};
 use glam::{DVec2, DVec3, DVec4};
 
 /// The largest coordinate that is accepted, in model units: squares and products of four stay finite.
 const GREATEST_COORDINATE: f64 = 1e60;
-
-/// The largest ratio of two weights of one surface. Beyond it f64 no longer carries the lighter points at all.
-const GREATEST_WEIGHT_RATIO: f64 = 1e12;
-
-/// A greatest weight within this factor of 1 is left as it is: 2¹⁰⁰.
-const USUAL_WEIGHT: f64 = 1_267_650_600_228_229_401_496_703_205_376.0;
 
 /// One of the two parameter directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,44 +32,6 @@ pub struct Surface {
     origin: DVec3,
     /// (w (P − origin), w).
     local: Vec<[f64; 4]>,
-}
-
-/// Position and first derivatives.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FirstDerivatives {
-    /// S, model units.
-    pub s: DVec3,
-    /// S_u, model units per unit of u.
-    pub su: DVec3,
-    /// S_v.
-    pub sv: DVec3,
-}
-
-/// Position and all derivatives to second order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SecondDerivatives {
-    /// S, model units.
-    pub s: DVec3,
-    /// S_u.
-    pub su: DVec3,
-    /// S_v.
-    pub sv: DVec3,
-    /// S_uu.
-    pub suu: DVec3,
-    /// S_uv.
-    pub suv: DVec3,
-    /// S_vv.
-    pub svv: DVec3,
-}
-
-impl FirstDerivatives {
-    /// The quotient rule (Piegl & Tiller, A4.4) on a numerator about `origin`.
-    #[inline(always)]
-    pub(crate) fn from_homogeneous(origin: DVec3, a: DVec4, a_u: DVec4, a_v: DVec4) -> Self {
-        let w = 1.0 / a.w;
-        let s = a.truncate() * w;
-        Self { s: origin + s, su: (a_u.truncate() - s * a_u.w) * w, sv: (a_v.truncate() - s * a_v.w) * w }
-    }
 }
 
 impl Surface {
@@ -541,26 +498,6 @@ impl Surface {
 /// Whether a coordinate is finite and small enough for products of four.
 pub(crate) fn usable(x: f64) -> bool {
     x.abs() <= GREATEST_COORDINATE
-}
-
-/// The weights of `expected` control points, checked; divided by a power of two where the greatest is very large or small.
-///
-/// A common factor changes no point, and a power of two no bit. So weights of 1e-300 or 1e308 mean what those of 1 mean,
-/// though their products with coordinates would leave f64.
-pub(crate) fn checked_weights(weights: Vec<f64>, expected: usize) -> Result<Vec<f64>, NurbsError> {
-    if weights.len() != expected {
-        return Err(NurbsError::WeightCount { expected, found: weights.len() });
-    }
-    let greatest = weights.iter().fold(0.0, |m: f64, w| m.max(*w));
-    let legal = |w: f64| w > 0.0 && w.is_finite() && w * GREATEST_WEIGHT_RATIO >= greatest && w >= f64::MIN_POSITIVE;
-    if let Some(index) = weights.iter().position(|&w| !legal(w)) {
-        return Err(NurbsError::Weight { index, value: weights[index] });
-    }
-    if (1.0 / USUAL_WEIGHT..=USUAL_WEIGHT).contains(&greatest) {
-        return Ok(weights);
-    }
-    let unit = power_of_two(greatest);
-    Ok(weights.into_iter().map(|w| w / unit).collect())
 }
 
 #[inline(always)]

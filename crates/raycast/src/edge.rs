@@ -3,9 +3,8 @@
 //! The picture about a point is nearly a linear map of (u, v). The nearest place by the map at the hit is looked for, the
 //! map is made anew there, and so on until the place stays; the nearest of all these in the picture itself is the answer.
 
-use crate::Caster;
-use crate::trim::PictureMap;
-use gbuffer::{EDGE_REACH_PX, Hit};
+use crate::trim::{Classifier, PictureMap};
+use gbuffer::EDGE_REACH_PX;
 use glam::{DMat2, DVec2};
 use nurbs::Surface;
 use scene::{Camera, Viewport};
@@ -20,31 +19,34 @@ const MAPS: usize = 12;
 /// A place that moves by less than this has been found, pixels.
 const STILL_PX: f64 = 1e-9;
 
-impl Caster<'_> {
-    /// The offset from picture position `center` to the nearest place of the trim edges of a hit's face
-    /// ([`scene::Region::edges`]), pixels, right and down; `None` where none is within [`EDGE_REACH_PX`], or the face is
-    /// whole, or seen edge-on at the hit.
-    ///
-    /// No bound where the picture is far from linear over two pixels; elsewhere to 10⁻⁶ pixel.
-    pub(crate) fn edge(&self, hit: &Hit, camera: &Camera, viewport: Viewport, center: DVec2) -> Option<DVec2> {
-        let classifier = self.classifiers[hit.face.0 as usize].as_ref()?;
-        let surface = self.model.surface(hit.face);
-        let first = map(surface, camera, viewport, center, hit.uv)?;
-        let mut next = classifier.nearest_edge(&first, MAP_REACH_PX);
-        let mut nearest: Option<DVec2> = None;
-        for _ in 0..MAPS {
-            let Some(uv) = next.filter(|uv| first.at(*uv).length() <= MAP_REACH_PX) else { break };
-            let Some(here) = map(surface, camera, viewport, center, uv) else { break };
-            if nearest.is_none_or(|nearest| here.offset.length() < nearest.length()) {
-                nearest = Some(here.offset);
-            }
-            next = classifier.nearest_edge(&here, MAP_REACH_PX);
-            if next.is_some_and(|uv| here.at(uv).distance(here.offset) <= STILL_PX) {
-                break;
-            }
+/// The offset from picture position `center` to the nearest place of the trim edges of a face
+/// ([`scene::Region::edges`]), pixels, right and down, looked for from parameters `uv` on; `None` where none is within
+/// [`EDGE_REACH_PX`], or the face is seen edge-on there.
+///
+/// No bound where the picture is far from linear over two pixels; elsewhere to 10⁻⁶ pixel.
+pub(crate) fn offset(
+    classifier: &Classifier,
+    surface: &Surface,
+    uv: DVec2,
+    camera: &Camera,
+    viewport: Viewport,
+    center: DVec2,
+) -> Option<DVec2> {
+    let first = map(surface, camera, viewport, center, uv)?;
+    let mut next = classifier.nearest_edge(&first, MAP_REACH_PX);
+    let mut nearest: Option<DVec2> = None;
+    for _ in 0..MAPS {
+        let Some(uv) = next.filter(|uv| first.at(*uv).length() <= MAP_REACH_PX) else { break };
+        let Some(here) = map(surface, camera, viewport, center, uv) else { break };
+        if nearest.is_none_or(|nearest| here.offset.length() < nearest.length()) {
+            nearest = Some(here.offset);
         }
-        nearest.filter(|offset| offset.length() <= EDGE_REACH_PX)
+        next = classifier.nearest_edge(&here, MAP_REACH_PX);
+        if next.is_some_and(|uv| here.at(uv).distance(here.offset) <= STILL_PX) {
+            break;
+        }
     }
+    nearest.filter(|offset| offset.length() <= EDGE_REACH_PX)
 }
 
 /// The picture about a point as a linear map; `None` where the point is behind the eye.

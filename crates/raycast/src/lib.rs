@@ -226,7 +226,10 @@ impl<'m> Caster<'m> {
                     let cast = self.first(&camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5));
                     doubts.extend(cast.undecided.map(|_| (x, y)));
                     let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                    let edge = |hit: &Hit| self.edge(hit, camera, viewport, center);
+                    let edge = |hit: &Hit| {
+                        let classifier = self.classifiers[hit.face.0 as usize].as_ref()?;
+                        edge::offset(classifier, self.model.surface(hit.face), hit.uv, camera, viewport, center)
+                    };
                     cast.hit.map(|hit| Hit { edge: self.edges.then(|| edge(&hit)).flatten(), ..hit })
                 })
                 .collect();

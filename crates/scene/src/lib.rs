@@ -24,4 +24,10 @@ pub use note::Note;
 pub use profile::{Profile, loops_from_profiles};
 pub use region::{ClosedLoop, Piece, Region, Repairs, Segment, WideGap};
 pub use samples::SamplePattern;
-pub use viewport::{MAX_PIXELS, MAX_SIDE, Viewport};
+pub use viewport::Viewport;
+
+/// The longest side of a viewport, in pixels: what wgpu devices take as a texture at least in practice.
+pub const MAX_SIDE: usize = 16384;
+
+/// The most pixels of a viewport: 8K. A G-buffer takes 116 bytes a covered pixel, a GPU's targets 68 a pixel.
+pub const MAX_PIXELS: usize = 7680 * 4320;

@@ -1,13 +1,7 @@
 //! The grid of pixels.
 
-use crate::SceneError;
+use crate::{MAX_PIXELS, MAX_SIDE, SceneError};
 use serde::{Deserialize, Serialize};
-
-/// The longest side of a viewport, in pixels: what wgpu devices take as a texture at least in practice.
-pub const MAX_SIDE: usize = 16384;
-
-/// The most pixels of a viewport: 8K. A G-buffer takes 116 bytes a covered pixel, a GPU's targets 68 a pixel.
-pub const MAX_PIXELS: usize = 7680 * 4320;
 
 /// A grid of `width` × `height` pixels. Row 0 is on top; pixel (x, y) is sampled at (x + ½, y + ½).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

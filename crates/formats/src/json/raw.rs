@@ -3,7 +3,6 @@
 //! Read by seeds that share the path of the member being read, so that a message can name it; numbers go straight
 //! into vectors, without a tree of JSON values between, so that memory stays in proportion to the file.
 
-use super::{FORMAT, VERSION};
 use crate::FormatError;
 use crate::error::shorten;
 use nurbs::MAX_DEGREE;
@@ -14,6 +13,12 @@ use serde_json::error::Category;
 use std::cell::RefCell;
 use std::fmt;
 use std::marker::PhantomData;
+
+/// The value of `format`.
+pub(super) const FORMAT: &str = "nurbs-neutral";
+
+/// The value of `version`.
+pub(super) const VERSION: u64 = 1;
 
 /// Reads the whole text as one document.
 pub(super) fn parse(text: &str, file: &str) -> Result<RawDocument, FormatError> {

@@ -1,6 +1,7 @@
 //! Writing: one surface's row of control points a line, so that files compare well line by line.
 
-use super::{FORMAT, VERSION, check_face};
+use super::check_face;
+use super::raw::{FORMAT, VERSION};
 use crate::FormatError;
 use crate::place::Place;
 use nurbs::{Direction, KnotVector, Surface};

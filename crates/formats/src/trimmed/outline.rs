@@ -1,11 +1,14 @@
-//! Trim curves and chains of them, as the trimmed models need them.
+//! Trim curves and loops of them, as the trimmed models need them beside their surfaces.
 
 use super::letters::ContourPoint;
-use crate::builtin::{clamped, even, knots};
+use crate::construction::{clamped, even, knots};
 use glam::{DVec2, dvec2};
-use nurbs::KnotVector;
+use nurbs::{KnotVector, Surface};
 use scene::{Loop, Trim};
 use std::f64::consts::FRAC_1_SQRT_2;
+
+/// A surface and the loops of the face on it.
+pub(super) type TrimmedSurface = (Surface, Vec<Loop>);
 
 /// The way that a closed curve runs in (u, v), u to the right and v up.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,9 +5,8 @@
 //! piecewise cubic that interpolates it and its slope in 28 intervals of h = 1/14. Their difference is at most
 //! max|q⁗| h⁴ / 384 = 8.4 / (384 · 14⁴) = 5.7e-7 in y, and by the slopes of the surfaces at most 1e-6 in space.
 
-use super::TrimmedSurface;
-use super::outline::{bezier, line, outer, polynomial, reversed};
-use crate::builtin::{clamped, surface};
+use super::outline::{TrimmedSurface, bezier, line, outer, polynomial, reversed};
+use crate::construction::{clamped, surface};
 use glam::{DVec2, DVec3, dvec2};
 use nurbs::KnotVector;
 use scene::Trim;

@@ -1,7 +1,7 @@
 //! Reading: what the archive claims is checked before memory is taken, then the arrays are read one by one.
 
+use super::array::{CHUNK_ELEMENTS, shape};
 use super::element::{Decoder, Element};
-use super::{CHUNK_ELEMENTS, shape};
 use crate::buffer::{NO_HIT, Parts};
 use crate::npy::Header;
 use crate::{GBuffer, GBufferError, Hit, LocalParameters, Meta, PrincipalCurvatures};

@@ -1,6 +1,7 @@
 //! Known colours, invariances, bands, and the twin's text.
 
 use super::*;
+use crate::GBuffer;
 use naga::front::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, Handle, Literal, Module, TypeInner};

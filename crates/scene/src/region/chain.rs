@@ -1,6 +1,8 @@
 //! One loop as a chain of Bézier segments without gaps.
 
-use super::{Frame, GAP_FLOOR, Repairs, SMALL, Segment, WideGap};
+use super::frame::{Frame, GAP_FLOOR, SMALL};
+use super::repairs::{Repairs, WideGap};
+use super::segment::Segment;
 use crate::{Loop, SceneError, Trim};
 use glam::{DVec2, IVec2};
 use nurbs::{BezierCurve, Curve, Hull, Rectangle};

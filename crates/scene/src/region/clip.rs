@@ -3,9 +3,32 @@
 //! Clamping a curve to a rectangle moves only what is outside, along segments that stay outside: no winding number of
 //! an interior point changes. What was outside becomes straight pieces along the border.
 
-use super::{ClosedLoop, Frame, Piece, Segment};
+use super::frame::Frame;
+use super::segment::{ClosedLoop, Segment};
 use glam::DVec2;
 use nurbs::BezierCurve;
+
+/// A part of the region's boundary on which u and v are both monotone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// The curve, in standard form, inside the domain; material is on its left.
+    pub curve: BezierCurve,
+    /// Whether it runs along a border of the domain, so that the domain's own limit does its work.
+    pub on_border: bool,
+    /// Which loop of [`Region::loops`](super::Region::loops) it is a part of.
+    pub loop_index: usize,
+    /// Which trim of that loop's source it is a part of; `None` as in [`Segment::trim`].
+    pub trim: Option<usize>,
+}
+
+impl Piece {
+    /// What a crossing adds to the winding number of a point on the piece's left side in u: 1 where v rises, −1 where
+    /// it falls, 0 where it is constant.
+    pub fn winding(&self) -> i32 {
+        let (start, end) = (self.curve.start().y, self.curve.end().y);
+        i32::from(start < end) - i32::from(end < start)
+    }
+}
 
 /// All pieces of all loops, in order.
 pub(super) fn pieces(frame: &Frame, loops: &[ClosedLoop]) -> Vec<Piece> {
@@ -66,7 +89,7 @@ fn crossing(curve: &BezierCurve, axis: usize, value: f64, rises: bool) -> f64 {
 }
 
 impl Frame<'_> {
-    /// The point, put on a border of the domain that it is within [`super::ON_BORDER`] of.
+    /// The point, put on a border of the domain that it is within [`Frame::on_border`] of.
     fn snapped(&self, mut point: DVec2) -> DVec2 {
         for axis in [0, 1] {
             for border in [self.domain.min[axis], self.domain.max[axis]] {

@@ -1,10 +1,14 @@
 //! Loops that close by themselves, as curves that points are inside or outside of.
 
 use super::chain::Chain;
-use super::{Frame, MAX_COPIES, Segment};
+use super::frame::Frame;
+use super::segment::Segment;
 use crate::SceneError;
 use glam::DVec2;
 use nurbs::{BezierCurve, Rectangle};
+
+/// How often a loop may be repeated where it leaves the domain of a closed surface: a spiral of 64 turns, say.
+const MAX_COPIES: usize = 64;
 
 /// A copy of a loop counts where it reaches into the domain by more than this share of the domain's length.
 const REACHES_IN: f64 = 1e-6;

@@ -9,7 +9,8 @@
 //! points a margin to its left and right are asked where they lie. It holds outside the domain, too.
 
 use super::contour::{Contour, monotone, winding};
-use super::{ClosedLoop, Frame, Segment};
+use super::frame::Frame;
+use super::segment::{ClosedLoop, Segment};
 use crate::{SceneError, TrimPlace};
 use glam::DVec2;
 use nurbs::{BezierCurve, Rectangle};

@@ -6,7 +6,9 @@
 //! Loops do not cross, so that of two whose insides meet the larger holds the smaller, whatever sides they share.
 
 use super::contour::{Contour, curves, monotone, winding};
-use super::{ClosedLoop, Frame, Repairs, Segment};
+use super::frame::Frame;
+use super::repairs::Repairs;
+use super::segment::{ClosedLoop, Segment};
 use crate::SceneError;
 use glam::DVec2;
 

@@ -5,10 +5,12 @@
 //! own direction says on which side of it material is, and whether the natural boundary below belongs to it. Where the
 //! surface is closed in the other direction, too, there is no boundary below, and an odd number of rings bounds nothing.
 
-use super::{ClosedLoop, Frame, Repairs, Segment};
+use super::chain::Chain;
+use super::contour::signed_area;
+use super::frame::Frame;
+use super::repairs::Repairs;
+use super::segment::{ClosedLoop, Segment};
 use crate::SceneError;
-use crate::region::chain::Chain;
-use crate::region::contour::signed_area;
 use glam::DVec2;
 
 /// How many copies on either side of the domain are unrolled: a ring begins at most a period off, and may lean by one.
