@@ -2,6 +2,7 @@
 
 mod arrows;
 mod attribution;
+mod circles;
 mod editing;
 mod evaluation;
 mod field;
