@@ -13,10 +13,11 @@ use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
 use compare::Claims;
+use pipeline::PackedScene;
 use pipeline::wgsl::Part;
 use raster::Drawing;
 use raster::visibility::Visibility;
-use scene::FaceId;
+use scene::{FaceId, Model};
 use std::sync::Arc;
 
 /// The technique.
@@ -43,6 +44,15 @@ impl Technique for Fragment {
     fn prepare(&self, setting: &Setting) -> Result<Arc<dyn Prepared>, PrepareError> {
         let Setting { model, scene, camera, viewport, chord_px } = *setting;
         Ok(Arc::new(Tessellation::new(model, scene, camera, viewport, chord_px)?))
+    }
+
+    fn uniform(
+        &self,
+        model: &Model,
+        scene: &PackedScene,
+        cells: usize,
+    ) -> Result<Option<Arc<dyn Prepared>>, PrepareError> {
+        Ok(Some(Arc::new(Tessellation::uniform(model, scene, cells)?)))
     }
 }
 

@@ -45,6 +45,20 @@ pub trait Technique: Sync {
     /// # Errors
     /// [`PrepareError`].
     fn prepare(&self, setting: &Setting) -> Result<Arc<dyn Prepared>, PrepareError>;
+
+    /// The same with every face cut into `cells` × `cells` cells of equal parameters, wherever its knots lie, as Kanai's Table 1
+    /// counts triangles; `None` for a technique that has no such cells.
+    ///
+    /// # Errors
+    /// [`PrepareError`].
+    fn uniform(
+        &self,
+        _model: &Model,
+        _scene: &PackedScene,
+        _cells: usize,
+    ) -> Result<Option<Arc<dyn Prepared>>, PrepareError> {
+        Ok(None)
+    }
 }
 
 impl PartialEq for dyn Technique {

@@ -1,7 +1,6 @@
 //! Frames of a turning model, timed.
 
 use anyhow::{Context, Result};
-use compare::Claims;
 use gbuffer::{ShadeKind, Shading};
 use glam::{DQuat, DVec3};
 use pipeline::{PackedScene, Scheme, View};
@@ -9,7 +8,6 @@ use scene::{Camera, Model, Viewport};
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
-use techniques::fragment::Tessellation;
 use techniques::{DEFAULT_CHORD_PX, Prepared, Setting, Technique};
 
 /// Cameras around a model: the frames of a rotating object.
@@ -51,9 +49,12 @@ impl<'a> Frames<'a> {
     ) -> Result<Self> {
         let scene = PackedScene::new(model, scheme)?;
         let camera = cameras.first().context("a round has frames")?;
-        let prepared = match (technique.claims(), cells) {
-            (Claims::Chord, Some(cells)) => Arc::new(Tessellation::uniform(model, &scene, cells)?),
-            _ => technique.prepare(&Setting { model, scene: &scene, camera, viewport, chord_px: DEFAULT_CHORD_PX })?,
+        let uniform = cells.map(|cells| technique.uniform(model, &scene, cells)).transpose()?.flatten();
+        let prepared = match uniform {
+            Some(uniform) => uniform,
+            None => {
+                technique.prepare(&Setting { model, scene: &scene, camera, viewport, chord_px: DEFAULT_CHORD_PX })?
+            }
         };
         let views = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
         Ok(Self { model, technique, scene, prepared, cameras, views, viewport })

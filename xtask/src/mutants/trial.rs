@@ -12,8 +12,6 @@ use raycast::Caster;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::cell::Cell;
-use std::sync::Arc;
-use techniques::fragment::Tessellation;
 
 /// How a mutant was caught.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -55,8 +53,10 @@ impl<'s> Trial<'s> {
         // Equal cells keep to no chord error, and none is asked for.
         let chord_px = if shown.cells.is_some() { ANY_CHORD_PX } else { shown.plan.chord_px };
         let mut stage = Stage::new(&shown.model, shown.camera, shown.viewport, Plan { chord_px, ..shown.plan })?;
-        if let (Some(cells), Claims::Chord) = (shown.cells, shown.plan.technique.claims()) {
-            stage.prepared = Arc::new(Tessellation::uniform(&shown.model, &stage.scene, cells)?);
+        if let Some(cells) = shown.cells
+            && let Some(uniform) = shown.plan.technique.uniform(&shown.model, &stage.scene, cells)?
+        {
+            stage.prepared = uniform;
         }
         let caster = Caster::new(&shown.model).with_edges(shown.plan.edges);
         let reference = if shown.vertex_normals {

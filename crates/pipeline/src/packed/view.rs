@@ -15,15 +15,24 @@ impl PackedScene {
         let range = 2.0 * (farthest - camera.near()).max(hull.diagonal()).max(f64::MIN_POSITIVE);
         let clip_from_world = camera.clip_from_world(viewport, range);
         let perspective = matches!(camera.projection(), Projection::Perspective { .. });
-        self.frames()
+        let matrices: Vec<DMat4> = self
+            .frames()
             .iter()
             .map(|frame| {
                 let world_from_local =
                     DMat4::from_translation(frame.origin) * DMat4::from_scale(DVec3::splat(frame.scale));
-                let clip_from_local = clip_from_world * world_from_local;
-                // Homogeneous coordinates are any multiple: one that f32 holds, whatever the scale of the scene.
-                let greatest = clip_from_local.to_cols_array().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-                let clip_from_local = clip_from_local * (1.0 / power_of_two(greatest));
+                clip_from_world * world_from_local
+            })
+            .collect();
+        // Homogeneous coordinates are any multiple: one that f32 holds, whatever the scale of the scene, and the same for all
+        // faces, so that a triangle may have corners in the coordinates of several.
+        let greatest = |matrix: &DMat4| matrix.to_cols_array().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let unit = power_of_two(matrices.iter().map(greatest).fold(0.0, f64::max));
+        self.frames()
+            .iter()
+            .zip(matrices)
+            .map(|(frame, matrix)| {
+                let clip_from_local = matrix * (1.0 / unit);
                 let eye = if perspective {
                     ((camera.eye() - frame.origin) / frame.scale).extend(1.0)
                 } else {
