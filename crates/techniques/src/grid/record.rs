@@ -1,0 +1,78 @@
+//! The record of a patch's grid, as the CPU and the GPU read it. `shaders/grid/entry.wgsl` declares the same one.
+
+use bytemuck::{Pod, Zeroable};
+
+/// [`GridRecord::sides`]: a skirt goes on beyond u = 0. The bits for u = 1, v = 0 and v = 1 follow.
+pub const LOW_U: u32 = 1;
+
+/// [`GridRecord::sides`]: a skirt goes on beyond v = 0.
+pub const LOW_V: u32 = 4;
+
+/// Where all patches that meet at a corner evaluate it. 24 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct CornerRecord {
+    /// The face.
+    pub face: u32,
+    /// Unused.
+    pub padding: u32,
+    /// Its spans.
+    pub span: [u32; 2],
+    /// Parameters there, each 0 or 1.
+    pub uv: [f32; 2],
+}
+
+/// Where all patches that share a border evaluate it, and in how many parts. 32 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct BorderRecord {
+    /// The face.
+    pub face: u32,
+    /// It has 2^level parts.
+    pub level: u32,
+    /// The face's spans.
+    pub span: [u32; 2],
+    /// Parameters there where this patch's own are 0 along the border; each 0 or 1.
+    pub start: [f32; 2],
+    /// The same where they are 1.
+    pub end: [f32; 2],
+}
+
+/// The grid of a Bézier patch. 256 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct GridRecord {
+    /// The face.
+    pub face: u32,
+    /// On which sides it has a skirt.
+    pub sides: u32,
+    /// The face's spans.
+    pub span: [u32; 2],
+    /// It has 2^level cells along u and along v, besides skirts.
+    pub level: [u32; 2],
+    /// The skirt's width, local units.
+    pub skirt: f32,
+    /// Unused.
+    pub padding: u32,
+    /// u = 0, u = 1, v = 0, v = 1.
+    pub borders: [BorderRecord; 4],
+    /// (0, 0), (0, 1), (1, 0), (1, 1).
+    pub corners: [CornerRecord; 4],
+}
+
+impl GridRecord {
+    /// Cells along u and along v, those of skirts too.
+    pub fn cells(&self) -> [u32; 2] {
+        [0, 1].map(|k| (1 << self.level[k]) + (self.sides >> (2 * k) & 3).count_ones())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_have_the_sizes_that_wgsl_gives_them() {
+        assert_eq!((size_of::<CornerRecord>(), size_of::<BorderRecord>(), size_of::<GridRecord>()), (24, 32, 256));
+    }
+}
