@@ -2,8 +2,7 @@
 //! is attained.
 
 use super::fit::raised_to;
-use crate::BezierPatch;
-use crate::bounds::{Hull, power_of_two};
+use crate::{BezierPatch, Hull, power_of_two};
 use glam::DVec3;
 
 /// The search ends where the bound is within this factor of a distance that is attained.

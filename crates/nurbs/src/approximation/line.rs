@@ -5,7 +5,7 @@
 //! runs.
 
 use crate::basis::binomial;
-use crate::bounds::{Hull, power_of_two};
+use crate::{Hull, power_of_two};
 use glam::DVec4;
 
 /// The least factor of a tangent: a negative one would turn the curve round at its end, zero would leave it a cusp.
@@ -96,8 +96,11 @@ impl End {
     /// The factor of this end. With x = λ |T|, c the cosine between both directions and g = [`GRAM`], the normal
     /// equations are g₀ x + g₁ c y = m and g₁ c x + g₀ y = n; their determinant is at least 7/16 g₀².
     ///
-    /// Where the other end's factor would be below [`LEAST_FACTOR`] it is that, and this one the best beside it. This
-    /// gives the least integral among the factors allowed, but perhaps where both would be below.
+    /// Where the other end's factor would be below [`LEAST_FACTOR`] it is that, and this one the best beside it, at
+    /// least that, too. So the integral is the least that factors allowed have. Where one alone would be below, going
+    /// from anywhere toward the free best place lowers the integral until that one is the least. Where both would be,
+    /// the integral grows with one factor at least from where both are the least, as its gradient leads away from the
+    /// free best place.
     fn factor(&self, other: &Self) -> f64 {
         if self.length == 0.0 {
             return 1.0;
