@@ -535,3 +535,39 @@ fn what_cannot_be_met_and_what_is_no_patch_are_errors() {
     assert!(matches!(change(&|patch| patch.control[2].w = f64::NAN), NurbsError::Weight { index: 2, .. }));
     assert!(matches!(change(&|patch| patch.control[1].y = f64::INFINITY), NurbsError::PointNotFinite { index: 1, .. }));
 }
+
+/// A number of `bicubic.json`.
+fn number(value: &serde_json::Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+#[test]
+fn an_oracle_with_forty_digits_finds_the_same_patches_and_distances() {
+    let text = include_str!("../../../testdata/oracle/bicubic.json");
+    let frozen: serde_json::Value = serde_json::from_str(text).unwrap();
+    assert_eq!((&frozen["format"], &frozen["version"]), (&"isophote-oracle-bicubic".into(), &1.into()));
+    let control = |points: &serde_json::Value| -> Vec<DVec4> {
+        let point = |c: &serde_json::Value| DVec4::from_array([0, 1, 2, 3].map(|k| number(&c[k])));
+        points.as_array().expect("an array").iter().map(point).collect()
+    };
+    let cases = frozen["patches"].as_array().unwrap();
+    assert_eq!(cases.len(), 5);
+    for case in cases {
+        let degree = [0, 1].map(|k| case["degree"][k].as_u64().unwrap() as usize);
+        let whole_domain = [[0.0, 1.0]; 2];
+        let patch =
+            BezierPatch { degree, domain: whole_domain, origin: DVec3::ZERO, control: control(&case["control"]) };
+        let found = whole(&patch);
+        for (a, b) in found.patch.control.iter().zip(control(&case["bicubic"])) {
+            assert!(a.distance(b) <= 1e-13, "{degree:?}: {a} and {b}");
+        }
+        let distance = number(&case["distance"]);
+        assert!(
+            distance <= found.error && found.error <= 1.25 * distance,
+            "{degree:?}: {} and {distance}",
+            found.error
+        );
+        let near = measured(&patch, &found);
+        assert!(near <= distance * (1.0 + 1e-12) && 0.99 * distance <= near, "{degree:?}: {near} and {distance}");
+    }
+}
