@@ -126,4 +126,14 @@ pub enum NurbsError {
         /// The bound reached.
         reached: f64,
     },
+    /// Halving a patch does not bring its bicubic patches within the tolerance.
+    #[error("a part of the patch is {reached:e} off after {parts} parts, and {tolerance:e} was asked for")]
+    BicubicTolerance {
+        /// The tolerance asked for, in model units.
+        tolerance: f64,
+        /// The bound reached for the part that stays above it; infinite where a weight is not positive.
+        reached: f64,
+        /// Parts found before.
+        parts: usize,
+    },
 }

@@ -5,6 +5,7 @@
 //! ([`SurfacePoint`]: normal with status, curvatures), cut into [`BezierPatch`]es and bounded ([`DerivativeBounds`]).
 //! Names and algorithm numbers are those of Piegl & Tiller, *The NURBS Book*, 2nd edition.
 
+mod approximation;
 mod basis;
 mod bezier;
 mod bezier_curve;
@@ -24,6 +25,7 @@ mod space_curve;
 mod surface;
 mod weights;
 
+pub use approximation::Bicubic;
 pub use basis::basis_derivatives;
 pub use bezier::BezierPatch;
 pub use bezier_curve::{BezierCurve, Rectangle};
