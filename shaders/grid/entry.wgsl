@@ -26,6 +26,8 @@ struct GridRecord {
     sides: u32,
     span: vec2<u32>,
     level: vec2<u32>,
+    start: vec2<f32>,
+    size: vec2<f32>,
     skirt: f32,
     padding: u32,
     borders: array<BorderRecord, 4>,
@@ -74,23 +76,24 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) grid: u32)
 fn corner(grid: u32, u: Line, v: Line) -> VertexOutput {
     let face = grids[grid].face;
     let span = grids[grid].span;
-    var uv = vec2<f32>(u.t, v.t);
-    let on_border = (uv == vec2<f32>(0.0)) | (uv == vec2<f32>(1.0));
-    // Where its own face evaluates it, and where all faces do that share it.
-    var sites = array<Site, 2>(Site(face, Parameters(span, uv)), Site(face, Parameters(span, uv)));
+    var t = vec2<f32>(u.t, v.t);
+    let on_border = (t == vec2<f32>(0.0)) | (t == vec2<f32>(1.0));
+    // Where all faces evaluate it that share it.
+    var site = Site(face, Parameters(span, grids[grid].start + grids[grid].size * t));
     if (u.side == 0.0 && v.side == 0.0) {
         if (all(on_border)) {
             let at = grids[grid].corners[2u * u32(u.t) + u32(v.t)];
-            sites[1] = Site(at.face, Parameters(at.span, at.uv));
+            site = Site(at.face, Parameters(at.span, at.uv));
         } else if (any(on_border)) {
             let along = select(0u, 1u, on_border.x);
             let border = grids[grid].borders[select(2u + u32(v.t), u32(u.t), on_border.x)];
-            uv[along] = snapped(uv[along], border.level);
-            let place = border.start + uv[along] * (border.end - border.start);
-            sites[0].place.uv = uv;
-            sites[1] = Site(border.face, Parameters(border.span, place));
+            t[along] = snapped(t[along], border.level);
+            let place = border.start + t[along] * (border.end - border.start);
+            site = Site(border.face, Parameters(border.span, place));
         }
     }
+    let uv = grids[grid].start + grids[grid].size * t;
+    let sites = array<Site, 2>(Site(face, Parameters(span, uv)), site);
     var own: Fragment;
     var seam: Fragment;
     // A loop, so that the program stands there once.
@@ -114,7 +117,7 @@ fn corner(grid: u32, u: Line, v: Line) -> VertexOutput {
     if (u.side != 0.0 || v.side != 0.0) {
         position = out.local;
     }
-    let m = views[sites[1].face].clip_from_local;
+    let m = views[site.face].clip_from_local;
     out.clip = m[0] * position.x + m[1] * position.y + m[2] * position.z + m[3];
     return out;
 }

@@ -1,6 +1,6 @@
 //! The judge on pixels that are wrong in one known way.
 
-use compare::{Cause, PairReport, UNBOUNDED_SHARE, Verdict};
+use compare::{Cause, Claims, PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Hit};
 use glam::DVec3;
 use nurbs::{Direction, Surface};
@@ -14,14 +14,17 @@ const SIDE: usize = 32;
 /// A pixel in the middle of the teapot's body.
 const AT: [usize; 2] = [16, 18];
 
-fn stage(model: &Model, unbounded_share: f64) -> Stage<'_> {
+fn staged(model: &Model, plan: Plan) -> Stage<'_> {
     let viewport = Viewport::new(SIDE, SIDE).expect("a legal size");
-    let camera = Camera::framing(model, viewport);
-    Stage::new(model, camera, viewport, Plan { unbounded_share, ..Plan::default() }).expect("a stage")
+    Stage::new(model, Camera::framing(model, viewport), viewport, plan).expect("a stage")
 }
 
-/// The buffer with another technique in its facts, and one pixel changed.
-fn changed(buffer: &GBuffer, technique: &str, change: impl Fn(Option<Hit>) -> Option<Hit>) -> GBuffer {
+fn stage(model: &Model, unbounded_share: f64) -> Stage<'_> {
+    staged(model, Plan { unbounded_share, ..Plan::default() })
+}
+
+/// The buffer with one pixel changed.
+fn changed(buffer: &GBuffer, change: impl Fn(Option<Hit>) -> Option<Hit>) -> GBuffer {
     let rows = (0..SIDE).map(|y| {
         let pixel = |x: usize| {
             let hit = buffer.get(x, y).copied();
@@ -29,9 +32,7 @@ fn changed(buffer: &GBuffer, technique: &str, change: impl Fn(Option<Hit>) -> Op
         };
         (0..SIDE).map(pixel).collect()
     });
-    let mut meta = buffer.meta().clone();
-    technique.clone_into(&mut meta.technique);
-    GBuffer::from_rows(buffer.viewport(), meta, rows.collect::<Vec<_>>())
+    GBuffer::from_rows(buffer.viewport(), buffer.meta().clone(), rows.collect::<Vec<_>>())
 }
 
 fn only_cause(report: &PairReport) -> Option<Cause> {
@@ -40,28 +41,34 @@ fn only_cause(report: &PairReport) -> Option<Cause> {
 }
 
 #[test]
-fn a_surface_that_is_not_shown_is_named_by_technique_and_by_what_the_renderers_say_of_themselves() {
+fn a_surface_that_is_not_shown_is_named_by_what_the_technique_claims_and_by_what_the_renderers_say() {
     let model = formats::builtin("teapot").expect("built in");
-    let (stage, caster) = (stage(&model, UNBOUNDED_SHARE), Caster::new(&model));
-    let (raycast, raster) = (stage.raycast(&caster), stage.raster());
-    let ray = stage.camera.ray(stage.viewport, AT[0] as f64 + 0.5, AT[1] as f64 + 0.5);
-    let farther = caster.all(&ray).hits.into_iter().nth(1).expect("the teapot has two sides");
-    let judge = |reference: &GBuffer, candidate: &GBuffer| {
-        only_cause(&stage.against_raycast(&caster, reference, candidate).expect("comparable"))
-    };
-    let hole = |technique| changed(&raster, technique, |_| None);
-    assert_eq!(judge(&raycast, &hole("fragment")), Some(Cause::Coverage));
-    assert_eq!(judge(&raycast, &hole("exact")), Some(Cause::MissedRoot));
+    let caster = Caster::new(&model);
     let at = (AT[0], AT[1]);
-    assert_eq!(judge(&raycast, &hole("exact").with_undecided([at])), Some(Cause::NewtonNotConverged));
-    assert_eq!(judge(&raycast.clone().with_undecided([at]), &hole("exact")), Some(Cause::Undecided));
-    // The farther side, evaluated by the program at the f32 parameters nearest to the ray's.
-    let [[u0, u1], [v0, v1]] = model.surface(farther.face).domain();
-    let uv = [(farther.uv.x - u0) / (u1 - u0), (farther.uv.y - v0) / (v1 - v0)].map(|t| t as f32);
-    let fragment = pipeline::fragment::fragment(&stage.scene, farther.face.0, Parameters::searched(uv), true);
-    let hidden = |technique| changed(&raster, technique, |_| Some(stage.scene.hit(&fragment, &ray)));
-    assert_eq!(judge(&raycast, &hidden("fragment")), Some(Cause::Depth));
-    assert_eq!(judge(&raycast, &hidden("exact")), Some(Cause::MissedRoot));
+    for &technique in techniques::ALL {
+        let stage = staged(&model, Plan { technique, ..Plan::default() });
+        let (raycast, raster) = (stage.raycast(&caster), stage.raster());
+        let ray = stage.camera.ray(stage.viewport, AT[0] as f64 + 0.5, AT[1] as f64 + 0.5);
+        let farther = caster.all(&ray).hits.into_iter().nth(1).expect("the teapot has two sides");
+        let judge = |reference: &GBuffer, candidate: &GBuffer| {
+            only_cause(&stage.against_raycast(&caster, reference, candidate).expect("comparable"))
+        };
+        let hole = || changed(&raster, |_| None);
+        let searches = technique.claims() == Claims::OnRay;
+        let of = |of_triangles| Some(if searches { Cause::MissedRoot } else { of_triangles });
+        assert_eq!(judge(&raycast, &hole()), of(Cause::Coverage), "{technique:?}");
+        // Only a search may be without an answer.
+        if searches {
+            assert_eq!(judge(&raycast, &hole().with_undecided([at])), Some(Cause::NewtonNotConverged));
+        }
+        assert_eq!(judge(&raycast.clone().with_undecided([at]), &hole()), Some(Cause::Undecided));
+        // The farther side, evaluated by the program at the f32 parameters nearest to the ray's.
+        let [[u0, u1], [v0, v1]] = model.surface(farther.face).domain();
+        let uv = [(farther.uv.x - u0) / (u1 - u0), (farther.uv.y - v0) / (v1 - v0)].map(|t| t as f32);
+        let fragment = pipeline::fragment::fragment(&stage.scene, farther.face.0, Parameters::searched(uv), true);
+        let hidden = changed(&raster, |_| Some(stage.scene.hit(&fragment, &ray)));
+        assert_eq!(judge(&raycast, &hidden), of(Cause::Depth), "{technique:?}");
+    }
 }
 
 #[test]
@@ -86,7 +93,7 @@ fn a_value_just_outside_its_interval_is_rounding() {
     let enclosure = *enclosures.iter().next().expect("one");
     let scale = stage.scene.frames()[raster.get(AT[0], AT[1]).expect("covered").face.0 as usize].scale;
     for (half_widths, cause) in [(0.5, None), (3.0, Some(Cause::Rounding))] {
-        let moved = changed(&raster, "fragment", |hit| {
+        let moved = changed(&raster, |hit| {
             let mut hit = hit.expect("covered");
             let x = enclosure.position.expect("a bound")[0];
             hit.position.x += half_widths * x.half_width * scale;

@@ -1,8 +1,14 @@
 //! Technique `grid`: where its corners are, and that grids meet vertex on vertex.
 
+use glam::DVec3;
+use gpu::Drawable;
+use nurbs::{Direction, KnotVector, Surface};
 use pipeline::{PackedScene, Scheme};
-use scene::{Camera, FaceId, Model, Viewport};
-use techniques::grid::Grids;
+use raster::Drawing;
+use scene::{Camera, FaceId, Model, Projection, Viewport};
+use std::collections::BTreeSet;
+use techniques::grid::{Grid, Grids};
+use techniques::{Setting, Technique};
 
 fn grids(model: &Model, error_px: f64) -> (PackedScene, Grids) {
     let viewport = Viewport::new(256, 256).expect("a legal size");
@@ -56,4 +62,107 @@ fn no_triangle_is_farther_from_its_face_than_the_chord_says() {
             }
         }
     }
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    /// From 0 to 1.
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn direction(&mut self) -> DVec3 {
+        let z = 2.0 * self.unit() - 1.0;
+        let angle = std::f64::consts::TAU * self.unit();
+        DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
+    }
+}
+
+/// The surface with u and v exchanged, or with u turned round.
+fn turned(surface: &Surface, transposed: bool) -> Surface {
+    let [rows, columns] = surface.control_counts();
+    let [ku, kv] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
+    let order: Vec<usize> = if transposed {
+        (0..columns).flat_map(|j| (0..rows).map(move |i| i * columns + j)).collect()
+    } else {
+        (0..rows).rev().flat_map(|i| (0..columns).map(move |j| i * columns + j)).collect()
+    };
+    let points = order.iter().map(|&k| surface.points()[k]).collect();
+    let weights = surface.weights().map(|weights| order.iter().map(|&k| weights[k]).collect());
+    let (u0, u1) = ku.domain();
+    let backwards = ku.knots().iter().rev().map(|t| u0 + u1 - t).collect();
+    let [ku, kv] = if transposed { [kv, ku] } else { [KnotVector::new(ku.degree(), backwards).expect("legal"), kv] };
+    Surface::new(ku, kv, points, weights).expect("as legal as before")
+}
+
+/// A closed surface in six pieces, each a face in coordinates of its own, whose parameters run in all ways.
+fn in_pieces(name: &str) -> Model {
+    let whole = formats::builtin(name).expect("built in").surfaces()[0].clone();
+    let [[u0, u1], [v0, v1]] = whole.domain();
+    let at = |[a, b]: [f64; 2], t: f64| a + (b - a) * t;
+    let [low, rest] = whole.split(Direction::U, at([u0, u1], 0.3)).expect("inside");
+    let [middle, high] = rest.split(Direction::U, at([u0, u1], 0.71)).expect("inside");
+    let halves = [low, middle, high].map(|strip| strip.split(Direction::V, at([v0, v1], 0.45)).expect("inside"));
+    let surfaces = halves.into_iter().flatten().enumerate();
+    let turned = surfaces.map(|(k, surface)| match k % 3 {
+        0 => surface,
+        1 => turned(&surface, true),
+        _ => turned(&surface, false),
+    });
+    Model::of_surfaces(name, turned.collect()).expect("faces")
+}
+
+/// How many positions of so many views a ray of which meets an odd number of triangles: a closed mesh is left as often as it is
+/// entered. `levels` collects those of grids.
+fn odd_positions(model: &Model, technique: &dyn Technique, views: usize, levels: &mut BTreeSet<[u32; 2]>) -> usize {
+    let viewport = Viewport::new(64, 64).expect("a legal size");
+    let scene = PackedScene::new(model, Scheme::Specialised).expect("it packs");
+    let mut random = Random(7);
+    let mut odd = 0;
+    let size = model.hull().diagonal();
+    for _ in 0..views {
+        let eye = model.hull().center() + random.direction() * size * (0.8 + random.unit());
+        let target = model.hull().center() + random.direction() * size * 0.2;
+        let projection = Projection::Perspective { fov_deg: 40.0 };
+        let Ok(camera) = Camera::look_at(eye, target, random.direction(), projection) else { continue };
+        let chord_px = 40.0f64.powf(random.unit()) * 0.05;
+        let prepared = technique
+            .prepare(&Setting { model, scene: &scene, camera: &camera, viewport, chord_px })
+            .expect("prepared");
+        if let Ok(grids) = (&*prepared as &dyn Drawable).of::<Grids>("grid") {
+            levels.extend(grids.records.iter().map(|record| record.level));
+        }
+        let cameras_views = scene.views(model, &camera, viewport);
+        let drawing =
+            Drawing { scene: &scene, views: &cameras_views, camera: &camera, viewport, options: Default::default() };
+        let visibility = prepared.visibility(drawing);
+        let samples = visibility.samples();
+        for pixel in 0..viewport.pixels() {
+            let (x, y) = ((pixel % 64) as f64 + 0.5, (pixel / 64) as f64 + 0.5);
+            odd += samples.layers(x, y).len() % 2;
+        }
+    }
+    odd
+}
+
+#[test]
+fn a_closed_surface_in_pieces_has_no_crack_at_any_mix_of_levels() {
+    let mut levels = BTreeSet::new();
+    for name in ["torus", "sphere"] {
+        let odd = odd_positions(&in_pieces(name), &Grid, 100, &mut levels);
+        assert_eq!(odd, 0, "{name}");
+    }
+    assert!(levels.len() > 12, "{levels:?}");
+}
+
+#[test]
+fn triangles_that_do_not_know_of_each_other_leave_cracks() {
+    let odd = odd_positions(&in_pieces("torus"), &techniques::fragment::Fragment, 20, &mut BTreeSet::new());
+    assert!(odd > 0, "the check finds no crack where there are some");
 }

@@ -45,13 +45,13 @@ pub fn corner(scene: &PackedScene, grid: &GridRecord, row: u32, column: u32) -> 
         Line::new(row, grid.level[0], grid.sides & LOW_U != 0),
         Line::new(column, grid.level[1], grid.sides & LOW_V != 0),
     ];
-    let mut uv = lines.map(|line| line.t);
-    let on_border = uv.map(|t| t == 0.0 || t == 1.0);
+    let mut t = lines.map(|line| line.t);
+    let on_border = t.map(|t| t == 0.0 || t == 1.0);
     let is_beyond = lines.iter().any(|line| line.side != 0.0);
     // Where all faces evaluate it that share it.
     let (mut frame, mut place) = (grid.face, None);
     if !is_beyond {
-        let end = |k: usize| usize::from(uv[k] == 1.0);
+        let end = |k: usize| usize::from(t[k] == 1.0);
         match on_border {
             [true, true] => {
                 let at = &grid.corners[2 * end(0) + end(1)];
@@ -61,12 +61,13 @@ pub fn corner(scene: &PackedScene, grid: &GridRecord, row: u32, column: u32) -> 
             [on_u, _] => {
                 let along = usize::from(on_u);
                 let border = &grid.borders[if on_u { end(0) } else { 2 + end(1) }];
-                uv[along] = snapped(uv[along], border.level);
-                let at = [0, 1].map(|k| border.start[k] + uv[along] * (border.end[k] - border.start[k]));
+                t[along] = snapped(t[along], border.level);
+                let at = [0, 1].map(|k| border.start[k] + t[along] * (border.end[k] - border.start[k]));
                 (frame, place) = (border.face, Some(Parameters { span: border.span, uv: at }));
             }
         }
     }
+    let uv = [0, 1].map(|k| grid.from[k] + grid.size[k] * t[k]);
     let own = Parameters { span: grid.span, uv };
     let TangentPlane { s, su, sv, .. } = tangent_plane(scene, grid.face, own);
     let spans = scene.spans(&scene.faces()[grid.face as usize], grid.span);

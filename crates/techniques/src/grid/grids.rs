@@ -1,10 +1,10 @@
 //! The grids of all patches: how fine each is, and the triangles that they come to.
 
 use super::corner::corner;
-use super::joints::{FacePatches, Joints};
+use super::joints::{FaceParts, Joints, Part};
 use super::record::{GridRecord, LOW_U};
 use crate::error::PrepareError;
-use crate::triangles::bounds::Bounds;
+use crate::triangles::bounds::{part_counts, parts_of};
 use crate::triangles::frustum::Frustum;
 use crate::triangles::patches::spans_of;
 use nurbs::{BezierPatch, DerivativeBounds, Surface};
@@ -50,43 +50,41 @@ pub struct Grids {
     pub built_px: f64,
 }
 
-/// What the patches of one face need.
-struct Wanted<'a> {
-    bounds: &'a Bounds,
-    /// Of each patch of the surface, what a pixel measures where it is nearest, infinite out of the picture.
-    pixels: &'a [f64],
-    spans: [Range<usize>; 2],
+/// A part of a surface, and what its grid depends on.
+struct Measured {
+    part: Part,
+    /// Number of its patch among the surface's, row-major in u.
+    patch: usize,
+    bounds: DerivativeBounds,
+    /// What a pixel measures where it is nearest, model units; infinite out of the picture.
+    pixel: f64,
 }
 
-impl Wanted<'_> {
-    /// Numbers of its patches among the surface's, row-major in u.
-    fn patches(&self) -> impl Iterator<Item = usize> {
-        crate::triangles::patches::patches_on(&self.spans, self.columns())
-    }
+/// The parts of a surface: of each span in u and each in v its rows and columns.
+struct SurfaceParts {
+    counts: [Vec<usize>; 2],
+    /// Patch by patch, each row-major in u.
+    parts: Vec<Vec<Measured>>,
+}
 
-    fn columns(&self) -> usize {
-        self.bounds.parts[1].len()
-    }
-
-    /// The chord of a patch with grids of these levels.
-    fn chord(&self, index: usize, level: [u32; 2]) -> f64 {
-        let [k, l] = self.bounds.spans(index);
-        let parts = [self.bounds.parts[0][k], self.bounds.parts[1][l]];
-        let cells = [0, 1].map(|k| vec![(1usize << level[k]) / parts[k]; parts[k]]);
-        self.bounds.chord(index, [&cells[0], &cells[1]])
+impl Measured {
+    /// The chord of its grid of these levels.
+    fn chord(&self, level: [u32; 2]) -> f64 {
+        let [width, height] =
+            [0, 1].map(|k| (self.part.patch.domain[k][1] - self.part.patch.domain[k][0]) / f64::from(1u32 << level[k]));
+        self.bounds.chord(width, height)
     }
 
     /// The least levels, the direction that gains more first, so that the chord bound of every cell is at most `error_px`.
-    fn level(&self, index: usize, error_px: f64) -> [u32; 2] {
-        let [k, l] = self.bounds.spans(index);
-        let mut level = [self.bounds.parts[0][k], self.bounds.parts[1][l]].map(usize::ilog2);
-        let allowed = error_px * self.pixels[index];
-        while self.chord(index, level) > allowed {
+    fn level(&self, error_px: f64) -> [u32; 2] {
+        let mut level = [0, 0];
+        while self.chord(level) > error_px * self.pixel {
             let finer = [[level[0] + 1, level[1]], [level[0], level[1] + 1]];
-            let chords = finer.map(|level| {
+            let chord = |level: [u32; 2]| {
                 let is_legal = level.iter().all(|&level| level <= GREATEST_LEVEL);
-                if is_legal { self.chord(index, level) } else { f64::INFINITY }
-            });
+                if is_legal { self.chord(level) } else { f64::INFINITY }
+            };
+            let chords = finer.map(chord);
             let best = usize::from(chords[1] < chords[0]);
             if chords[best] == f64::INFINITY {
                 break;
@@ -94,6 +92,42 @@ impl Wanted<'_> {
             level = finer[best];
         }
         level
+    }
+}
+
+impl SurfaceParts {
+    fn new(surface: &Surface, pixel: impl Fn(&BezierPatch) -> f64) -> Self {
+        let patches = surface.bezier_patches();
+        let counts = part_counts(&patches);
+        let columns = counts[1].len();
+        let of_patch = |(patch, whole): (usize, &BezierPatch)| {
+            let span = [patch / columns, patch % columns];
+            let count = [counts[0][span[0]], counts[1][span[1]]];
+            let measured = |(index, part): (usize, BezierPatch)| {
+                let at = [index / count[1], index % count[1]];
+                let size = count.map(|count| 1.0 / count as f32);
+                let from = [0, 1].map(|k| at[k] as f32 * size[k]);
+                let (bounds, pixel) = (part.derivative_bounds(), pixel(&part));
+                let part = Part { span: span.map(|k| k as u32), from, size, patch: part };
+                Measured { part, patch, bounds, pixel }
+            };
+            parts_of(whole, count).into_iter().enumerate().map(measured).collect()
+        };
+        let parts = patches.iter().enumerate().map(of_patch).collect();
+        Self { counts, parts }
+    }
+
+    /// The parts on ranges of spans, row by row, and how many a row has.
+    fn on(&self, [us, vs]: &[Range<usize>; 2]) -> (Vec<&Measured>, usize) {
+        let columns = self.counts[1].len();
+        let row = |k: usize, i: usize| {
+            vs.clone().flat_map(move |l| {
+                let count = self.counts[1][l];
+                self.parts[k * columns + l][i * count..(i + 1) * count].iter()
+            })
+        };
+        let rows = us.clone().flat_map(|k| (0..self.counts[0][k]).map(move |i| (k, i)));
+        (rows.flat_map(|(k, i)| row(k, i)).collect(), vs.clone().map(|l| self.counts[1][l]).sum())
     }
 }
 
@@ -122,57 +156,37 @@ impl Grids {
             let hull = patch.close_hull();
             if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY }
         };
-        let of_surface = |surface: &Surface| {
-            let patches = surface.bezier_patches();
-            let pixels: Vec<f64> = patches.iter().map(pixel).collect();
-            (Bounds::of(&patches), pixels, patches)
-        };
-        let surfaces: Vec<_> = model.surfaces().par_iter().map(of_surface).collect();
-        let ids = || (0..model.faces().len()).map(|id| FaceId(id as u32));
-        let wanted: Vec<Wanted> = ids()
-            .map(|id| {
-                let (bounds, pixels, _) = &surfaces[model.faces()[id.0 as usize].surface];
-                let spans = spans_of(model.region(id), &scene.frames()[id.0 as usize].breaks);
-                Wanted { bounds, pixels, spans }
-            })
-            .collect();
-        let faces: Vec<FacePatches> = ids()
-            .zip(&wanted)
-            .map(|(id, wanted)| FacePatches {
-                patches: &surfaces[model.faces()[id.0 as usize].surface].2,
-                spans: wanted.spans.clone(),
-                columns: wanted.columns(),
-                is_bounded: model.region(id).is_some(),
-            })
-            .collect();
-        let joints = Joints::new(&faces, model.hull().diagonal());
+        let surfaces: Vec<SurfaceParts> =
+            model.surfaces().par_iter().map(|surface| SurfaceParts::new(surface, pixel)).collect();
+        let faces = faces(model, scene, &surfaces);
+        let joints =
+            Joints::new(&faces.iter().map(|face| face.parts(model)).collect::<Vec<_>>(), model.hull().diagonal());
         let mut built_px = error_px;
         let (levels, borders) = loop {
-            let (levels, borders) = levels(&wanted, &joints, built_px);
+            let (levels, borders) = levels(&faces, &joints, built_px);
             let cells = |level: &[u32; 2]| f64::from(1u32 << level[0]) * f64::from(1u32 << level[1]);
             let triangles = 2.0 * levels.iter().flatten().map(cells).sum::<f64>();
-            let least =
-                2.0 * wanted.iter().flat_map(|face| face.patches().map(|i| cells(&face.level(i, 1e300)))).sum::<f64>();
+            let least = 2.0 * faces.iter().map(|face| face.measured.len() as f64).sum::<f64>();
             if triangles <= REFINED_TRIANGLES.max(2.0 * least) {
                 break (levels, borders);
             }
             built_px *= 2.0;
         };
         let mut records = vec![];
-        for (id, wanted) in ids().zip(&wanted) {
-            let width = model.region(id).map_or(0.0, |_| {
-                let pixels = wanted.patches().map(|index| wanted.pixels[index]).filter(|pixel| pixel.is_finite());
+        for (face, of_face) in faces.iter().enumerate() {
+            let width = model.region(of_face.id).map_or(0.0, |_| {
+                let pixels = of_face.measured.iter().map(|part| part.pixel).filter(|pixel| pixel.is_finite());
                 (built_px + SKIRT_PX) * pixels.fold(0.0, f64::max)
             });
-            let face = id.0 as usize;
-            for (number, index) in wanted.patches().enumerate() {
-                let [k, l] = wanted.bounds.spans(index);
+            for (number, Measured { part, .. }) in of_face.measured.iter().enumerate() {
                 let level = levels[face][number];
                 let mut record = GridRecord {
-                    face: id.0,
-                    sides: sides(model, scene, id, [k, l], level),
-                    span: [k as u32, l as u32],
+                    face: of_face.id.0,
+                    sides: sides(model, scene, of_face.id, part, level),
+                    span: part.span,
                     level,
+                    from: part.from,
+                    size: part.size,
                     skirt: (width / scene.frames()[face].scale) as f32,
                     padding: 0,
                     borders: joints.borders[face][number],
@@ -181,13 +195,15 @@ impl Grids {
                 for (side, border) in record.borders.iter_mut().enumerate() {
                     border.level = borders[joints.groups[face][number][side]];
                 }
-                records.push(record);
+                records.push((record, of_face.measured[number]));
             }
         }
+        let chord = chords(scene, &records);
+        let mut records: Vec<GridRecord> = records.into_iter().map(|(record, _)| record).collect();
         records.sort_by_key(|record| {
-            (scene.programs()[record.face as usize], record.cells(), record.sides, record.face, record.span)
+            let place = record.from.map(f32::to_bits);
+            (scene.programs()[record.face as usize], record.cells(), record.sides, record.face, record.span, place)
         });
-        let chord = chords(scene, &wanted, &records);
         let mut grids = Self { classes: classes(scene, &records), records, mesh: Mesh::default(), chord, built_px };
         if grids.triangles() > GREATEST_TRIANGLES {
             return Err(PrepareError::TooManyTriangles { chord_px: error_px });
@@ -198,17 +214,15 @@ impl Grids {
 
     /// The same grids over a scene whose control points have moved. Chords are those of the new surfaces.
     pub fn edited(&self, model: &Model, scene: &PackedScene) -> Self {
-        let of_surface: Vec<Bounds> = model.surfaces().par_iter().map(|s| Bounds::of(&s.bezier_patches())).collect();
-        let wanted: Vec<Wanted> = model
-            .faces()
-            .iter()
-            .enumerate()
-            .map(|(id, face)| {
-                let spans = spans_of(model.region(FaceId(id as u32)), &scene.frames()[id].breaks);
-                Wanted { bounds: &of_surface[face.surface], pixels: &[], spans }
-            })
-            .collect();
-        let chord = chords(scene, &wanted, &self.records);
+        let surfaces: Vec<SurfaceParts> =
+            model.surfaces().par_iter().map(|surface| SurfaceParts::new(surface, |_| f64::INFINITY)).collect();
+        let faces = faces(model, scene, &surfaces);
+        let measured = |record: &GridRecord| {
+            let is_own = |part: &&&Measured| part.part.span == record.span && part.part.from == record.from;
+            *faces[record.face as usize].measured.iter().find(is_own).expect("the parts are the same")
+        };
+        let records: Vec<_> = self.records.iter().map(|record| (*record, measured(record))).collect();
+        let chord = chords(scene, &records);
         Self { mesh: self.made(scene), chord, ..self.clone() }
     }
 
@@ -244,10 +258,34 @@ impl Grids {
     }
 }
 
-/// The levels of all patches of all faces, and of all groups of borders.
-fn levels(wanted: &[Wanted], joints: &Joints, error_px: f64) -> (Vec<Vec<[u32; 2]>>, Vec<u32>) {
+/// The parts that a face comes to.
+struct Face<'s> {
+    id: FaceId,
+    measured: Vec<&'s Measured>,
+    columns: usize,
+}
+
+impl Face<'_> {
+    fn parts(&self, model: &Model) -> FaceParts {
+        let parts = self.measured.iter().map(|measured| measured.part.clone()).collect();
+        FaceParts { parts, columns: self.columns, is_bounded: model.region(self.id).is_some() }
+    }
+}
+
+fn faces<'s>(model: &Model, scene: &PackedScene, surfaces: &'s [SurfaceParts]) -> Vec<Face<'s>> {
+    let of_face = |(k, face): (usize, &scene::Face)| {
+        let id = FaceId(k as u32);
+        let spans = spans_of(model.region(id), &scene.frames()[k].breaks);
+        let (measured, columns) = surfaces[face.surface].on(&spans);
+        Face { id, measured, columns }
+    };
+    model.faces().iter().enumerate().map(of_face).collect()
+}
+
+/// The levels of all parts of all faces, and of all groups of borders.
+fn levels(faces: &[Face], joints: &Joints, error_px: f64) -> (Vec<Vec<[u32; 2]>>, Vec<u32>) {
     let mut levels: Vec<Vec<[u32; 2]>> =
-        wanted.par_iter().map(|face| face.patches().map(|index| face.level(index, error_px)).collect()).collect();
+        faces.par_iter().map(|face| face.measured.iter().map(|part| part.level(error_px)).collect()).collect();
     let mut borders = vec![0; joints.count];
     let each = |levels: &[Vec<[u32; 2]>]| -> Vec<([usize; 4], [u32; 2])> {
         joints.groups.iter().flatten().copied().zip(levels.iter().flatten().copied()).collect()
@@ -265,15 +303,17 @@ fn levels(wanted: &[Wanted], joints: &Joints, error_px: f64) -> (Vec<Vec<[u32; 2
     (levels, borders)
 }
 
-/// On which sides of a bounded face a patch has a skirt: outer ones into whose cells the region comes.
-fn sides(model: &Model, scene: &PackedScene, id: FaceId, span: [usize; 2], level: [u32; 2]) -> u32 {
+/// On which sides of a bounded face a part has a skirt: outer ones into whose cells the region comes.
+fn sides(model: &Model, scene: &PackedScene, id: FaceId, part: &Part, level: [u32; 2]) -> u32 {
     let Some(region) = model.region(id) else { return 0 };
     let (hull, breaks) = (region.hull(), &scene.frames()[id.0 as usize].breaks);
     let of = |k: usize| {
-        let [start, end] = [breaks[k][span[k]], breaks[k][span[k] + 1]];
+        let [start, end] = part.patch.domain[k];
         let cell = (end - start) / f64::from(1u32 << level[k]);
-        let is_low = span[k] == 0 && hull.min[k] <= start + cell;
-        let is_high = span[k] + 2 == breaks[k].len() && hull.max[k] >= end - cell;
+        let is_first = part.span[k] == 0 && part.from[k] == 0.0;
+        let is_last = part.span[k] as usize + 2 == breaks[k].len() && part.from[k] + part.size[k] == 1.0;
+        let is_low = is_first && hull.min[k] <= start + cell;
+        let is_high = is_last && hull.max[k] >= end - cell;
         (u32::from(is_low) | u32::from(is_high) << 1) * (LOW_U << (2 * k))
     };
     of(0) | of(1)
@@ -296,7 +336,7 @@ fn classes(scene: &PackedScene, records: &[GridRecord]) -> Vec<Class> {
 /// A cell at a border is as long as a part of the border. To the bound on cells it adds what f32 makes of corners: of the basis
 /// functions, which are sums of products of what is not negative, 10 roundings a degree; of the sums over control points, which
 /// are at most 1, one a term; and as much for the weights' sum. What lies on a shared border is evaluated in another face's units.
-fn chords(scene: &PackedScene, wanted: &[Wanted], records: &[GridRecord]) -> Vec<Vec<f64>> {
+fn chords(scene: &PackedScene, records: &[(GridRecord, &Measured)]) -> Vec<Vec<f64>> {
     const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
     let rounding = |face: u32| {
         let f = &scene.faces()[face as usize];
@@ -304,19 +344,19 @@ fn chords(scene: &PackedScene, wanted: &[Wanted], records: &[GridRecord]) -> Vec
         let of_weights = if f.flags & RATIONAL != 0 { 2.0 } else { 1.0 };
         (11.0 * degrees + 8.0) * of_weights * UNIT * scene.frames()[face as usize].scale
     };
-    let mut chords: Vec<Vec<f64>> = wanted.iter().map(|face| vec![0.0; face.bounds.patches.len()]).collect();
-    for record in records {
-        let face = &wanted[record.face as usize];
-        let index = record.span[0] as usize * face.columns() + record.span[1] as usize;
+    let mut chords: Vec<Vec<f64>> = scene.frames().iter().map(|frame| vec![0.0; frame.pieces()]).collect();
+    for (record, measured) in records {
         let [low_u, high_u, low_v, high_v] = record.borders.map(|border| border.level);
         let least = [record.level[0].min(low_v).min(high_v), record.level[1].min(low_u).min(high_u)];
-        let faces =
-            record.borders.iter().map(|border| border.face).chain(record.corners.iter().map(|corner| corner.face));
-        let rounding = faces.chain([record.face]).map(rounding).fold(0.0, f64::max);
-        let (size, parts) = &face.bounds.patches[index];
-        let whole = parts.iter().copied().fold(DerivativeBounds::default(), DerivativeBounds::max);
-        let speed = (whole.u * size[0]).max(whole.v * size[1]);
-        chords[record.face as usize][index] = face.chord(index, least) + rounding + f64::from(f32::EPSILON) * speed;
+        let borders = record.borders.iter().map(|border| border.face);
+        let faces = borders.chain(record.corners.iter().map(|corner| corner.face)).chain([record.face]);
+        let rounding = faces.map(rounding).fold(0.0, f64::max);
+        let [width, height] = measured.part.patch.domain.map(|[start, end]| end - start);
+        let size = measured.part.size.map(f64::from);
+        let speed = (measured.bounds.u * width / size[0]).max(measured.bounds.v * height / size[1]);
+        let chord = measured.chord(least) + rounding + f64::from(f32::EPSILON) * speed;
+        let of_patch = &mut chords[record.face as usize][measured.patch];
+        *of_patch = chord.max(*of_patch);
     }
     chords
 }

@@ -7,7 +7,6 @@
 use super::record::{BorderRecord, CornerRecord};
 use glam::DVec3;
 use nurbs::BezierPatch;
-use std::ops::Range;
 
 /// Points that are nearer to each other than this share of the model's size are one.
 const SAME: f64 = 1e-12;
@@ -15,50 +14,45 @@ const SAME: f64 = 1e-12;
 /// Weights that differ by less than this share are one.
 const SAME_WEIGHT: f64 = 1e-12;
 
-/// A patch of a face.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Site {
-    /// The face.
-    pub face: u32,
+/// A patch of a face, or a part of one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
     /// Its spans.
     pub span: [u32; 2],
+    /// Its least parameters there, and how far they run.
+    pub from: [f32; 2],
+    /// See there.
+    pub size: [f32; 2],
+    /// The part itself.
+    pub patch: BezierPatch,
 }
 
-/// What a face comes to.
-pub struct FacePatches<'a> {
-    /// All patches of its surface, row-major in u.
-    pub patches: &'a [BezierPatch],
-    /// The spans in u and in v that it comes to.
-    pub spans: [Range<usize>; 2],
-    /// How many spans the surface has in v.
+/// What a face comes to: rows of parts along u, each with as many along v.
+pub struct FaceParts {
+    /// Row-major in u.
+    pub parts: Vec<Part>,
+    /// How many there are in a row.
     pub columns: usize,
     /// Whether loops bound it: then its outer borders are its own, and have skirts.
     pub is_bounded: bool,
 }
 
-/// A border: which patch's, and the place of its side in [`GridRecord::borders`](super::record::GridRecord::borders).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Border {
-    site: Site,
-    side: usize,
-}
-
 /// A border in space.
 struct Curve {
-    border: Border,
+    /// Four times the number of its part among those of all faces, and its side: u = 0, u = 1, v = 0, v = 1.
+    border: usize,
     points: Vec<DVec3>,
     /// Relative to the first.
     weights: Vec<f64>,
 }
 
-/// What patches share.
+/// What parts share.
 pub struct Joints {
-    /// Of each face and each of its patches by number among those that it comes to, row-major: for each side the group of borders
-    /// that it is of.
+    /// Of each face and each of its parts: for each side the group of borders that it is of.
     pub groups: Vec<Vec<[usize; 4]>>,
-    /// Where each patch evaluates its borders, without levels.
+    /// Where each part evaluates its borders, without levels.
     pub borders: Vec<Vec<[BorderRecord; 4]>>,
-    /// Where each patch evaluates its corners.
+    /// Where each part evaluates its corners.
     pub corners: Vec<Vec<[CornerRecord; 4]>>,
     /// How many groups of borders there are.
     pub count: usize,
@@ -88,88 +82,72 @@ impl Sets {
 
 impl Joints {
     /// Those of all faces; `size` is the model's.
-    pub fn new(faces: &[FacePatches], size: f64) -> Self {
-        let sites: Vec<Vec<Site>> = faces.iter().enumerate().map(|(id, face)| face.sites(id as u32)).collect();
-        let firsts: Vec<usize> = sites
-            .iter()
-            .scan(0, |sum, sites| {
-                *sum += sites.len();
-                Some(*sum - sites.len())
-            })
-            .collect();
-        let all: Vec<Site> = sites.iter().flatten().copied().collect();
+    pub fn new(faces: &[FaceParts], size: f64) -> Self {
+        let all: Vec<(u32, &Part)> =
+            (0..).zip(faces).flat_map(|(id, face)| face.parts.iter().map(move |part| (id, part))).collect();
         let mut borders = Sets((0..4 * all.len()).collect());
         let mut corners = Sets((0..4 * all.len()).collect());
         let mut curves = vec![];
-        for (id, face) in faces.iter().enumerate() {
-            let [us, vs] = face.spans.clone();
-            let (rows, columns) = (us.len(), vs.len());
-            let number = |k: usize, l: usize| 4 * (firsts[id] + k * columns + l);
-            for k in 0..rows {
-                for l in 0..columns {
-                    if k + 1 < rows {
-                        borders.join(number(k, l) + 1, number(k + 1, l));
-                        (0..2).for_each(|end| corners.join(number(k, l) + 2 + end, number(k + 1, l) + end));
-                    }
-                    if l + 1 < columns {
-                        borders.join(number(k, l) + 3, number(k, l + 1) + 2);
-                        (0..2).for_each(|end| corners.join(number(k, l) + 2 * end + 1, number(k, l + 1) + 2 * end));
-                    }
-                    if !face.is_bounded {
-                        let is_outer = [k == 0, k + 1 == rows, l == 0, l + 1 == columns];
-                        let patch = &face.patches[(us.start + k) * face.columns + vs.start + l];
-                        let site = all[number(k, l) / 4];
-                        let outer = (0..4).filter(|side| is_outer[*side]);
-                        curves.extend(outer.map(|side| Curve::new(Border { site, side }, patch, number(k, l) + side)));
-                    }
+        let mut starts = vec![0];
+        for face in faces {
+            let start = starts[starts.len() - 1];
+            let columns = face.columns;
+            let rows = face.parts.len() / columns.max(1);
+            for (index, part) in face.parts.iter().enumerate() {
+                let (k, l) = (index / columns, index % columns);
+                let number = |index: usize| 4 * (start + index);
+                if k + 1 < rows {
+                    borders.join(number(index) + 1, number(index + columns));
+                    (0..2).for_each(|end| corners.join(number(index) + 2 + end, number(index + columns) + end));
+                }
+                if l + 1 < columns {
+                    borders.join(number(index) + 3, number(index + 1) + 2);
+                    (0..2).for_each(|end| corners.join(number(index) + 2 * end + 1, number(index + 1) + 2 * end));
+                }
+                if !face.is_bounded {
+                    let is_outer = [k == 0, k + 1 == rows, l == 0, l + 1 == columns];
+                    let outer = (0..4).filter(|side| is_outer[*side]);
+                    curves.extend(outer.map(|side| Curve::new(&part.patch, number(index) + side)));
                 }
             }
+            starts.push(start + face.parts.len());
         }
         let near = SAME * size;
         let mut reversed = vec![false; 4 * all.len()];
         join_curves(&curves, near, &mut borders, &mut reversed);
         join_corners(&curves, near, &mut corners);
-        let of_patch = |number: usize| {
-            let record = |side: usize| {
+        let border = |number: usize| {
+            std::array::from_fn(|side| {
                 let own = 4 * number + side;
                 let owner = borders.least(own);
-                let is_turned = reversed[own] != reversed[owner];
-                border_record(all[owner / 4], owner % 4, is_turned)
-            };
-            std::array::from_fn(record)
+                border_record(all[owner / 4], owner % 4, reversed[own] != reversed[owner])
+            })
         };
         let corner = |number: usize| {
-            let record = |k: usize| {
+            std::array::from_fn(|k| {
                 let owner = corners.least(4 * number + k);
-                let (Site { face, span }, k) = (all[owner / 4], owner % 4);
-                CornerRecord { face, padding: 0, span, uv: [(k / 2) as f32, (k % 2) as f32] }
-            };
-            std::array::from_fn(record)
+                let ((face, part), k) = (all[owner / 4], owner % 4);
+                let end = [k / 2, k % 2];
+                let uv = [0, 1].map(|k| part.from[k] + part.size[k] * end[k] as f32);
+                CornerRecord { face, padding: 0, span: part.span, uv }
+            })
         };
         let group = |number: usize| std::array::from_fn(|side| borders.least(4 * number + side));
-        let per_face = |id: usize| firsts[id]..firsts[id] + sites[id].len();
+        let numbers = |id: usize| starts[id]..starts[id + 1];
         Self {
-            groups: (0..faces.len()).map(|id| per_face(id).map(group).collect()).collect(),
-            borders: (0..faces.len()).map(|id| per_face(id).map(of_patch).collect()).collect(),
-            corners: (0..faces.len()).map(|id| per_face(id).map(corner).collect()).collect(),
+            groups: (0..faces.len()).map(|id| numbers(id).map(group).collect()).collect(),
+            borders: (0..faces.len()).map(|id| numbers(id).map(border).collect()).collect(),
+            corners: (0..faces.len()).map(|id| numbers(id).map(corner).collect()).collect(),
             count: 4 * all.len(),
         }
     }
 }
 
-impl FacePatches<'_> {
-    fn sites(&self, face: u32) -> Vec<Site> {
-        let [us, vs] = self.spans.clone();
-        let columns = |k: usize| vs.clone().map(move |l| Site { face, span: [k as u32, l as u32] });
-        us.flat_map(columns).collect()
-    }
-}
-
 impl Curve {
-    fn new(border: Border, patch: &BezierPatch, number: usize) -> (Self, usize) {
+    fn new(patch: &BezierPatch, border: usize) -> Self {
         let [rows, columns] = [0, 1].map(|k| patch.degree[k] + 1);
         let control = |i: usize, j: usize| patch.control[i * columns + j];
-        let points: Vec<_> = match border.side {
+        let points: Vec<_> = match border % 4 {
             0 => (0..columns).map(|j| control(0, j)).collect(),
             1 => (0..columns).map(|j| control(rows - 1, j)).collect(),
             2 => (0..rows).map(|i| control(i, 0)).collect(),
@@ -177,7 +155,7 @@ impl Curve {
         };
         let weights = points.iter().map(|c| c.w).collect();
         let points = points.iter().map(|c| patch.origin + c.truncate() / c.w).collect();
-        (Self { border, points, weights }, number)
+        Self { border, points, weights }
     }
 
     fn ends(&self) -> [DVec3; 2] {
@@ -202,31 +180,31 @@ impl Curve {
 }
 
 /// Joins borders that coincide, and says which of them run backwards as seen from the others.
-fn join_curves(curves: &[(Curve, usize)], near: f64, borders: &mut Sets, reversed: &mut [bool]) {
+fn join_curves(curves: &[Curve], near: f64, borders: &mut Sets, reversed: &mut [bool]) {
     let key = |curve: &Curve| curve.ends().iter().map(|p| p.x).sum::<f64>();
-    let mut order: Vec<&(Curve, usize)> = curves.iter().filter(|(curve, _)| !curve.is_collapsed(near)).collect();
-    order.sort_by(|a, b| key(&a.0).total_cmp(&key(&b.0)).then(a.0.border.cmp(&b.0.border)));
+    let mut order: Vec<&Curve> = curves.iter().filter(|curve| !curve.is_collapsed(near)).collect();
+    order.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.border.cmp(&b.border)));
     let mut is_joined = vec![false; reversed.len()];
-    for (first, (a, number)) in order.iter().enumerate() {
-        for (b, other) in order[first + 1..].iter().take_while(|(b, _)| key(b) - key(a) <= 4.0 * near) {
+    for (first, a) in order.iter().enumerate() {
+        for b in order[first + 1..].iter().take_while(|b| key(b) - key(a) <= 4.0 * near) {
             // One that was joined before keeps its direction.
-            let turned = [false, true].into_iter().find(|turned| !is_joined[*other] && a.is_same(b, *turned, near));
+            let turned = [false, true].into_iter().find(|turned| !is_joined[b.border] && a.is_same(b, *turned, near));
             if let Some(turned) = turned {
-                is_joined[*other] = true;
-                reversed[*other] = reversed[*number] != turned;
-                borders.join(*number, *other);
+                is_joined[b.border] = true;
+                reversed[b.border] = reversed[a.border] != turned;
+                borders.join(a.border, b.border);
             }
         }
     }
 }
 
 /// Joins corners that coincide.
-fn join_corners(curves: &[(Curve, usize)], near: f64, corners: &mut Sets) {
+fn join_corners(curves: &[Curve], near: f64, corners: &mut Sets) {
     // The corners at either end of a side, by the side's number.
     const ENDS: [[usize; 2]; 4] = [[0, 1], [2, 3], [0, 2], [1, 3]];
-    let ends = |(curve, number): &(Curve, usize)| {
-        let first = number - curve.border.side;
-        [0, 1].map(|end| (curve.ends()[end], first + ENDS[curve.border.side][end]))
+    let ends = |curve: &Curve| {
+        let (part, side) = (curve.border / 4, curve.border % 4);
+        [0, 1].map(|end| (curve.ends()[end], 4 * part + ENDS[side][end]))
     };
     let mut points: Vec<(DVec3, usize)> = curves.iter().flat_map(ends).collect();
     points.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.1.cmp(&b.1)));
@@ -239,10 +217,13 @@ fn join_corners(curves: &[(Curve, usize)], near: f64, corners: &mut Sets) {
     }
 }
 
-/// Where a border that is `side` of a patch runs there, backwards where `turned`.
-fn border_record(Site { face, span }: Site, side: usize, turned: bool) -> BorderRecord {
+/// Where a border that is `side` of a part runs there, backwards where `turned`.
+fn border_record((face, part): (u32, &Part), side: usize, turned: bool) -> BorderRecord {
     let across = (side % 2) as f32;
-    let at = |along: f32| if side < 2 { [across, along] } else { [along, across] };
+    let at = |along: f32| {
+        let t = if side < 2 { [across, along] } else { [along, across] };
+        [0, 1].map(|k| part.from[k] + part.size[k] * t[k])
+    };
     let [start, end] = if turned { [at(1.0), at(0.0)] } else { [at(0.0), at(1.0)] };
-    BorderRecord { face, level: 0, span, start, end }
+    BorderRecord { face, level: 0, span: part.span, start, end }
 }

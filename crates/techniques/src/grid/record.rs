@@ -18,7 +18,7 @@ pub struct CornerRecord {
     pub padding: u32,
     /// Its spans.
     pub span: [u32; 2],
-    /// Parameters there, each 0 or 1.
+    /// Parameters there.
     pub uv: [f32; 2],
 }
 
@@ -32,13 +32,13 @@ pub struct BorderRecord {
     pub level: u32,
     /// The face's spans.
     pub span: [u32; 2],
-    /// Parameters there where this patch's own are 0 along the border; each 0 or 1.
+    /// Parameters there at this border's start, where the grid's own are least.
     pub start: [f32; 2],
-    /// The same where they are 1.
+    /// The same at its end.
     pub end: [f32; 2],
 }
 
-/// The grid of a Bézier patch. 256 bytes.
+/// The grid of a Bézier patch, or of a part of one whose weights vary much. 272 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct GridRecord {
@@ -50,6 +50,10 @@ pub struct GridRecord {
     pub span: [u32; 2],
     /// It has 2^level cells along u and along v, besides skirts.
     pub level: [u32; 2],
+    /// The least parameters of the part; each 0 where it is the whole patch.
+    pub from: [f32; 2],
+    /// How far its parameters run; each 1 where it is the whole patch.
+    pub size: [f32; 2],
     /// The skirt's width, local units.
     pub skirt: f32,
     /// Unused.
@@ -73,6 +77,6 @@ mod tests {
 
     #[test]
     fn records_have_the_sizes_that_wgsl_gives_them() {
-        assert_eq!((size_of::<CornerRecord>(), size_of::<BorderRecord>(), size_of::<GridRecord>()), (24, 32, 256));
+        assert_eq!((size_of::<CornerRecord>(), size_of::<BorderRecord>(), size_of::<GridRecord>()), (24, 32, 272));
     }
 }

@@ -21,22 +21,11 @@ const GREATEST_PARTS: usize = 64;
 impl Bounds {
     /// Those of all patches of a surface, row-major in u.
     pub fn of(patches: &[BezierPatch]) -> Self {
-        let spans_v = patches.iter().take_while(|patch| patch.domain[0] == patches[0].domain[0]).count();
-        let mut parts = [vec![1; patches.len() / spans_v], vec![1; spans_v]];
-        for (index, ratio) in
-            patches.iter().map(BezierPatch::weight_ratio).enumerate().filter(|(_, ratio)| *ratio > WEIGHTS_VARY_MUCH)
-        {
-            let count = (ratio.sqrt() as usize).next_power_of_two().min(GREATEST_PARTS);
-            let [k, l] = [index / spans_v, index % spans_v];
-            parts[0][k] = count.max(parts[0][k]);
-            parts[1][l] = count.max(parts[1][l]);
-        }
+        let parts = part_counts(patches);
         let of_patch = |(index, patch): (usize, &BezierPatch)| {
             let size = patch.domain.map(|[start, end]| end - start);
-            let [rows, columns] = [parts[0][index / spans_v], parts[1][index % spans_v]];
-            let strips = cut(patch.clone(), rows, patch.domain[0], BezierPatch::split_u);
-            let of_strip = |strip: BezierPatch| cut(strip, columns, patch.domain[1], BezierPatch::split_v);
-            (size, strips.into_iter().flat_map(of_strip).map(|part| part.derivative_bounds()).collect())
+            let counts = [parts[0][index / parts[1].len()], parts[1][index % parts[1].len()]];
+            (size, parts_of(patch, counts).iter().map(BezierPatch::derivative_bounds).collect())
         };
         let patches = patches.iter().enumerate().map(of_patch).collect();
         Self { parts, patches }
@@ -56,6 +45,28 @@ impl Bounds {
         };
         bounds.iter().enumerate().map(of_part).fold(0.0, f64::max)
     }
+}
+
+/// How many equal parts each span in u and in v of a surface with these patches, row-major in u, is cut into.
+pub fn part_counts(patches: &[BezierPatch]) -> [Vec<usize>; 2] {
+    let spans_v = patches.iter().take_while(|patch| patch.domain[0] == patches[0].domain[0]).count();
+    let mut parts = [vec![1; patches.len() / spans_v], vec![1; spans_v]];
+    for (index, ratio) in
+        patches.iter().map(BezierPatch::weight_ratio).enumerate().filter(|(_, ratio)| *ratio > WEIGHTS_VARY_MUCH)
+    {
+        let count = (ratio.sqrt() as usize).next_power_of_two().min(GREATEST_PARTS);
+        let [k, l] = [index / spans_v, index % spans_v];
+        parts[0][k] = count.max(parts[0][k]);
+        parts[1][l] = count.max(parts[1][l]);
+    }
+    parts
+}
+
+/// A patch cut into so many equal parts along u and along v, row-major in u.
+pub fn parts_of(patch: &BezierPatch, [rows, columns]: [usize; 2]) -> Vec<BezierPatch> {
+    let strips = cut(patch.clone(), rows, patch.domain[0], BezierPatch::split_u);
+    let of_strip = |strip: BezierPatch| cut(strip, columns, patch.domain[1], BezierPatch::split_v);
+    strips.into_iter().flat_map(of_strip).collect()
 }
 
 /// A patch cut into so many equal parts of a direction, by `split`.
