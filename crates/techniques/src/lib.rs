@@ -14,7 +14,7 @@ pub use error::PrepareError;
 pub use technique::{Prepared, Setting, Technique};
 
 /// All of them; the first is the default.
-pub static ALL: &[&dyn Technique] = &[&fragment::Fragment, &exact::Exact, &grid::Grid];
+pub const ALL: &[&dyn Technique] = &[&fragment::Fragment, &exact::Exact, &grid::Grid];
 
 /// Chord error in pixels to which triangles are made unless another is asked for.
 pub const DEFAULT_CHORD_PX: f64 = 0.25;

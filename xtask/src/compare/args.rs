@@ -68,7 +68,7 @@ pub struct DrawingArgs {
     #[command(flatten)]
     pub(super) trim: TrimArgs,
     /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are allowed
-    #[arg(long, value_name = "PX", default_value_t = DEFAULT_CHORD_PX, value_parser = number::error_px, allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "error", value_name = "PX", default_value_t = DEFAULT_CHORD_PX, value_parser = number::error_px, allow_hyphen_values = true)]
     chord: f64,
     /// The share of covered pixels that may have no verdict for want of a bound, as poles have none; from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE, value_parser = number::share, allow_hyphen_values = true)]

@@ -2,7 +2,6 @@
 
 use crate::stage::Plan;
 use anyhow::{Context, Result, bail};
-use compare::Claims;
 use glam::DVec3;
 use pipeline::Scheme;
 use pipeline::mask::{MaskOptions, Trimming};
@@ -38,8 +37,8 @@ pub struct Scene {
     /// The largest share of covered pixels that may have no verdict for want of a bound: more than 0 at poles, and where
     /// knots lie nearer to each other than f32 can tell.
     pub unbounded_share: f64,
-    /// Why technique `exact` does not draw it, where it cannot.
-    pub beyond_exact: Option<&'static str>,
+    /// The techniques that draw it.
+    pub techniques: &'static [&'static dyn Technique],
     /// Whether its faces are trimmed by masks, and not by curves.
     pub masked: bool,
     /// The least suite that runs it.
@@ -82,7 +81,7 @@ const fn scene(
     least: Suite,
     stresses: &'static str,
 ) -> Scene {
-    Scene { name, stresses, model, viewpoints, unbounded_share: 0.0, beyond_exact: None, masked: false, least }
+    Scene { name, stresses, model, viewpoints, unbounded_share: 0.0, techniques: techniques::ALL, masked: false, least }
 }
 
 /// The same, trimmed by masks.
@@ -252,14 +251,10 @@ pub struct SceneInfo {
 
 impl SceneInfo {
     fn of(scene: &Scene) -> Self {
-        let stresses = match scene.beyond_exact {
-            None => scene.stresses.to_owned(),
-            Some(reason) => format!("{}; not drawn by technique exact: {reason}", scene.stresses),
-        };
         Self {
             name: scene.name.to_owned(),
             model: scene.model.to_owned(),
-            stresses,
+            stresses: scene.stresses.to_owned(),
             unbounded_share: scene.unbounded_share,
         }
     }
@@ -379,8 +374,7 @@ impl Suite {
         };
         let trim = if scene.masked { Trimming::Texture(MaskOptions::default()) } else { Trimming::Exact };
         let plan = |technique| schemes.iter().map(move |&scheme| Plan { technique, scheme, trim, ..Plan::default() });
-        let drawn = |technique: &&dyn Technique| technique.claims() != Claims::OnRay || scene.beyond_exact.is_none();
-        techniques::ALL.iter().copied().filter(drawn).flat_map(plan).collect()
+        scene.techniques.iter().copied().flat_map(plan).collect()
     }
 }
 
