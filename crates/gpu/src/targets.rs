@@ -75,15 +75,24 @@ impl Targets {
 
     /// The targets as a render pass that clears them has them.
     pub fn cleared(&self) -> Vec<Option<wgpu::RenderPassColorAttachment<'_>>> {
+        self.attached(|target| wgpu::LoadOp::Clear(self.output.cleared(target)))
+    }
+
+    /// The targets as a render pass that keeps what is there has them.
+    pub fn kept(&self) -> Vec<Option<wgpu::RenderPassColorAttachment<'_>>> {
+        self.attached(|_| wgpu::LoadOp::Load)
+    }
+
+    fn attached(
+        &self,
+        load: impl Fn(usize) -> wgpu::LoadOp<wgpu::Color>,
+    ) -> Vec<Option<wgpu::RenderPassColorAttachment<'_>>> {
         let attachment = |(target, view)| {
             Some(wgpu::RenderPassColorAttachment {
                 view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(self.output.cleared(target)),
-                    store: wgpu::StoreOp::Store,
-                },
+                ops: wgpu::Operations { load: load(target), store: wgpu::StoreOp::Store },
             })
         };
         self.colour_views.iter().enumerate().map(attachment).collect()

@@ -11,6 +11,7 @@ mod grids;
 mod joints;
 mod record;
 
+pub(crate) use gpu::CORNER;
 pub use grids::Grids;
 
 use crate::error::PrepareError;

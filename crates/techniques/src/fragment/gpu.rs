@@ -55,7 +55,12 @@ impl Feed for MeshBuffers {
         const { &[Some(VERTICES)] }
     }
 
-    fn draw<'p>(&self, pass: &mut RenderPass<'_>, pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>) {
+    fn draw<'p>(
+        &self,
+        pass: &mut RenderPass<'_>,
+        pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>,
+        _step: usize,
+    ) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
         for batch in self.batches.iter().filter(|batch| batch.count > 0) {

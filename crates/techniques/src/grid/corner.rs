@@ -1,4 +1,4 @@
-//! A corner of a patch's grid. Twin of `shaders/grid/entry.wgsl`.
+//! A corner of a patch's grid. Twin of `shaders/grid/corner.wgsl`.
 //!
 //! What lies on a border, or at a patch's corner, is evaluated where all patches do that share it, by the same numbers: so they
 //! have it at the same place to the bit. A border has no more parts than the grid beside it has cells; corners between two

@@ -12,7 +12,10 @@ pub(super) const NAME: &str = "grid";
 
 /// Entry point `vertex`, and those of the fragment stage.
 pub(super) const PARTS: &[Part] =
-    &[Part { file: "grid/entry.wgsl", text: include_str!("../../../../shaders/grid/entry.wgsl") }, PART];
+    &[Part { file: "grid/entry.wgsl", text: include_str!("../../../../shaders/grid/entry.wgsl") }, CORNER, PART];
+
+/// Where a corner of a grid is.
+pub const CORNER: Part = Part { file: "grid/corner.wgsl", text: include_str!("../../../../shaders/grid/corner.wgsl") };
 
 /// Vertices of a cell: two triangles.
 const CELL: u32 = 6;
@@ -69,11 +72,16 @@ impl Feed for Records {
         Ok(Self { records, layout, group, classes: grids.classes.clone() })
     }
 
-    fn layouts(&self) -> Vec<&wgpu::BindGroupLayout> {
-        vec![&self.layout]
+    fn layouts(&self) -> Vec<Option<&wgpu::BindGroupLayout>> {
+        vec![Some(&self.layout)]
     }
 
-    fn draw<'p>(&self, pass: &mut RenderPass<'_>, pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>) {
+    fn draw<'p>(
+        &self,
+        pass: &mut RenderPass<'_>,
+        pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>,
+        _step: usize,
+    ) {
         pass.set_bind_group(1, &self.group, &[]);
         for Class { program, cells: [rows, columns], grids } in &self.classes {
             if let Some(pipeline) = pipeline(*program) {

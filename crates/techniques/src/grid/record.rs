@@ -1,4 +1,4 @@
-//! The record of a patch's grid, as the CPU and the GPU read it. `shaders/grid/entry.wgsl` declares the same one.
+//! The record of a patch's grid, as the CPU and the GPU read it. `shaders/grid/corner.wgsl` declares the same one.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -25,18 +25,44 @@ pub trait Feed: Clone + Sized + 'static {
     /// As of [`Drawable::pass`].
     fn new(device: &Device, prepared: &Self::Prepared) -> Result<Self, GpuError>;
 
-    /// The layouts of groups 1, 2 …
-    fn layouts(&self) -> Vec<&wgpu::BindGroupLayout> {
+    /// The layouts of groups 1, 2 … of the vertex stage.
+    fn layouts(&self) -> Vec<Option<&wgpu::BindGroupLayout>> {
         vec![]
     }
+
+    /// Compiles what runs before triangles are drawn, where it is not there yet.
+    ///
+    /// # Errors
+    /// As of [`Pass::prepare`].
+    fn prepare(
+        &mut self,
+        _device: &Device,
+        _scene: &wgpu::BindGroupLayout,
+        _modules: &Modules,
+    ) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    /// In how many steps a picture is drawn.
+    fn steps(&self) -> usize {
+        1
+    }
+
+    /// Commands before the triangles of a step are drawn.
+    fn before(&self, _encoder: &mut wgpu::CommandEncoder, _scene: &SceneBuffers, _step: usize) {}
 
     /// What a pipeline fetches from vertex buffers.
     fn buffers() -> &'static [Option<wgpu::VertexBufferLayout<'static>>] {
         &[]
     }
 
-    /// Draws all, in order, each with the pipeline of its program; of a program that no face has nothing is drawn.
-    fn draw<'p>(&self, pass: &mut RenderPass<'_>, pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>);
+    /// Draws all of a step, in order, each with the pipeline of its program; of a program that no face has nothing is drawn.
+    fn draw<'p>(
+        &self,
+        pass: &mut RenderPass<'_>,
+        pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>,
+        step: usize,
+    );
 
     /// Uploads what differs between two, and says how many bytes that is.
     ///
@@ -55,6 +81,7 @@ pub struct Draw<F> {
     technique: &'static str,
     depth: DepthOrder,
     fed: F,
+    scene: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
     /// Made when first drawn with: a driver may take seconds to compile one.
     pipelines: HashMap<(Program, Output), RenderPipeline>,
@@ -73,14 +100,15 @@ impl<F: Feed> Draw<F> {
     ) -> Result<Self, GpuError> {
         let fed = F::new(device, prepared)?;
         let layout = device.guarded("setting up", || {
-            let groups: Vec<_> = [&scene.layout].into_iter().chain(fed.layouts()).map(Some).collect();
+            let groups: Vec<_> = [Some(&scene.layout)].into_iter().chain(fed.layouts()).collect();
             device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("scene"),
                 bind_group_layouts: &groups,
                 immediate_size: 0,
             })
         })?;
-        Ok(Self { technique: prepared.technique(), depth, fed, layout, pipelines: HashMap::new() })
+        let (technique, scene) = (prepared.technique(), scene.layout.clone());
+        Ok(Self { technique, depth, fed, scene, layout, pipelines: HashMap::new() })
     }
 
     fn pipeline(
@@ -135,6 +163,7 @@ impl<F: Feed> Draw<F> {
 
 impl<F: Feed> Pass for Draw<F> {
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
+        self.fed.prepare(device, &self.scene, modules)?;
         for (&program, module) in modules {
             if !self.pipelines.contains_key(&(program, output)) {
                 let pipeline = self.pipeline(device, program, module, output)?;
@@ -183,27 +212,35 @@ impl<F: Feed> Frame for Drawn<F> {
             DepthOrder::Nearest => 0.0,
             DepthOrder::Farthest => 1.0,
         };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("draw"),
-            color_attachments: &targets.cleared(),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth_buffer,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(farthest),
-                    store: wgpu::StoreOp::Discard,
-                }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: stamps.map(|Stamps { set, start }| wgpu::RenderPassTimestampWrites {
-                query_set: set,
-                beginning_of_pass_write_index: Some(start),
-                end_of_pass_write_index: Some(start + 1),
-            }),
-            ..Default::default()
-        });
         let (width, height) = (targets.viewport.width() as f32, targets.viewport.height() as f32);
-        pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
-        pass.set_bind_group(0, &scene.group, &[]);
-        self.fed.draw(&mut pass, &|program| self.pipelines.get(&(program, targets.output)));
+        // A picture of nothing is cleared, too.
+        let steps = self.fed.steps().max(1);
+        for step in 0..steps {
+            let (is_first, is_last) = (step == 0, step + 1 == steps);
+            self.fed.before(encoder, scene, step);
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("draw"),
+                color_attachments: &if is_first { targets.cleared() } else { targets.kept() },
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &self.depth_buffer,
+                    depth_ops: Some(wgpu::Operations {
+                        load: if is_first { wgpu::LoadOp::Clear(farthest) } else { wgpu::LoadOp::Load },
+                        store: if is_last { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store },
+                    }),
+                    stencil_ops: None,
+                }),
+                timestamp_writes: stamps.filter(|_| is_first || is_last).map(|Stamps { set, start }| {
+                    wgpu::RenderPassTimestampWrites {
+                        query_set: set,
+                        beginning_of_pass_write_index: is_first.then_some(start),
+                        end_of_pass_write_index: is_last.then_some(start + 1),
+                    }
+                }),
+                ..Default::default()
+            });
+            pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+            pass.set_bind_group(0, &scene.group, &[]);
+            self.fed.draw(&mut pass, &|program| self.pipelines.get(&(program, targets.output)), step);
+        }
     }
 }
