@@ -9,12 +9,13 @@ pub mod fragment;
 pub mod grid;
 mod technique;
 mod triangles;
+pub mod zones;
 
 pub use error::PrepareError;
 pub use technique::{Prepared, Setting, Technique};
 
 /// All of them; the first is the default.
-pub const ALL: &[&dyn Technique] = &[&fragment::Fragment, &exact::Exact, &grid::Grid];
+pub const ALL: &[&dyn Technique] = &[&fragment::Fragment, &exact::Exact, &grid::Grid, &zones::ByZones];
 
 /// Chord error in pixels to which triangles are made unless another is asked for.
 pub const DEFAULT_CHORD_PX: f64 = 0.25;

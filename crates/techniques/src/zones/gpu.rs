@@ -1,0 +1,224 @@
+//! Technique `zones` on the device: kernels that find zones and evaluate their corners, step by step.
+
+use super::plan::{SIDE, Step, Zones};
+use crate::grid::CORNER;
+use crate::triangles::gpu::{Draw, Feed, PART};
+use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, as_shader_error};
+use pipeline::Program;
+use pipeline::wgsl::Part;
+use std::collections::HashMap;
+use wgpu::{BufferUsages, RenderPass, RenderPipeline, ShaderStages};
+
+/// The technique's name.
+pub(super) const NAME: &str = "zones";
+
+/// Kernels `find_zones` and `tessellate`, entry point `vertex`, and those of the fragment stage.
+pub(super) const PARTS: &[Part] =
+    &[Part { file: "zones/entry.wgsl", text: include_str!("../../../../shaders/zones/entry.wgsl") }, CORNER, PART];
+
+/// Threads of a workgroup in `shaders/zones/entry.wgsl`.
+const WORKGROUP: u32 = 64;
+
+/// Corners of a zone: those on its borders are evaluated by each zone that has them.
+const CORNERS: u32 = (SIDE + 1) * (SIDE + 1);
+
+/// Bytes of `MadeCorner` there.
+const CORNER_BYTES: u64 = 64;
+
+/// Vertices of a zone: two triangles a cell.
+const VERTICES: u32 = 6 * SIDE * SIDE;
+
+/// Distance of the steps in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
+const STEP_STRIDE: usize = 256;
+
+/// The kernels, in their order.
+const KERNELS: [&str; 2] = ["find_zones", "tessellate"];
+
+impl Drawable for Zones {
+    fn technique(&self) -> &'static str {
+        NAME
+    }
+
+    fn parts(&self) -> &'static [Part] {
+        PARTS
+    }
+
+    fn stages(&self) -> ShaderStages {
+        ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE
+    }
+
+    fn pass(&self, device: &Device, scene: &SceneBuffers, depth: DepthOrder) -> Result<Box<dyn Pass>, GpuError> {
+        Ok(Box::new(Draw::<Generator>::new(device, scene, self, depth)?))
+    }
+}
+
+/// What generates the triangles.
+#[derive(Clone)]
+struct Generator {
+    grids: wgpu::Buffer,
+    steps: Vec<Step>,
+    layout: wgpu::BindGroupLayout,
+    group: wgpu::BindGroup,
+    drawn_layout: wgpu::BindGroupLayout,
+    drawn_group: wgpu::BindGroup,
+    /// Made when first needed: a driver may take seconds to compile one.
+    kernels: HashMap<Program, [wgpu::ComputePipeline; 2]>,
+}
+
+/// A buffer's binding.
+fn entry(
+    binding: u32,
+    visibility: ShaderStages,
+    ty: wgpu::BufferBindingType,
+    has_dynamic_offset: bool,
+) -> wgpu::BindGroupLayoutEntry {
+    let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+    wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
+}
+
+impl Feed for Generator {
+    type Prepared = Zones;
+
+    fn new(device: &Device, zones: &Zones) -> Result<Self, GpuError> {
+        let most = zones.steps.iter().map(|step| step.zones.len() as u64).max().unwrap_or(1);
+        let grids = device.storage("grids", bytemuck::cast_slice(&zones.grids.records))?;
+        let firsts = device.storage("first zones", bytemuck::cast_slice(&zones.firsts))?;
+        let found = device.empty("zones", 16 * most)?;
+        let made = device.empty("corners of zones", CORNER_BYTES * u64::from(CORNERS) * most)?;
+        let mut uniforms = vec![0u32; STEP_STRIDE / 4 * zones.steps.len().max(1)];
+        for (number, (uniform, step)) in (0..).zip(uniforms.chunks_exact_mut(STEP_STRIDE / 4).zip(&zones.steps)) {
+            let grids = zones.grids.records.len() as u32;
+            uniform[..4].copy_from_slice(&[step.zones.start, step.zones.len() as u32, number, grids]);
+        }
+        let uniforms = device.buffer("steps", BufferUsages::UNIFORM, bytemuck::cast_slice(&uniforms))?;
+        let (layout, group, drawn_layout, drawn_group) = device.guarded("setting up", || {
+            let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+            let group_layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
+                let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some(label), entries };
+                device.wgpu.create_bind_group_layout(&descriptor)
+            };
+            let stage = ShaderStages::COMPUTE;
+            let layout = group_layout(
+                "zones",
+                &[
+                    entry(0, stage, storage(true), false),
+                    entry(1, stage, storage(true), false),
+                    entry(2, stage, storage(false), false),
+                    entry(3, stage, storage(false), false),
+                    entry(4, stage, wgpu::BufferBindingType::Uniform, true),
+                ],
+            );
+            let one =
+                wgpu::BufferBinding { buffer: &uniforms, offset: 0, size: wgpu::BufferSize::new(STEP_STRIDE as u64) };
+            let whole = [&grids, &firsts, &found, &made].map(|buffer| buffer.as_entire_binding());
+            let resources = whole.into_iter().chain([wgpu::BindingResource::Buffer(one)]);
+            let entries: Vec<_> =
+                (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+            let descriptor = wgpu::BindGroupDescriptor { label: Some("zones"), layout: &layout, entries: &entries };
+            let group = device.wgpu.create_bind_group(&descriptor);
+            let drawn_layout = group_layout("corners", &[entry(0, ShaderStages::VERTEX, storage(true), false)]);
+            let drawn_group = device.group("corners", &drawn_layout, [&made]);
+            (layout, group, drawn_layout, drawn_group)
+        })?;
+        let (steps, kernels) = (zones.steps.clone(), HashMap::new());
+        Ok(Self { grids, steps, layout, group, drawn_layout, drawn_group, kernels })
+    }
+
+    fn layouts(&self) -> Vec<Option<&wgpu::BindGroupLayout>> {
+        vec![None, Some(&self.drawn_layout)]
+    }
+
+    fn prepare(&mut self, device: &Device, scene: &wgpu::BindGroupLayout, modules: &Modules) -> Result<(), GpuError> {
+        for (&program, module) in modules {
+            if self.kernels.contains_key(&program) {
+                continue;
+            }
+            let compile = |kernel: &'static str| {
+                let pipeline = device.guarded("compiling a pipeline", || {
+                    let layout = device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                        label: Some("zones"),
+                        bind_group_layouts: &[Some(scene), Some(&self.layout)],
+                        immediate_size: 0,
+                    });
+                    device.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                        label: Some(kernel),
+                        layout: Some(&layout),
+                        module,
+                        entry_point: Some(kernel),
+                        compilation_options: Default::default(),
+                        cache: None,
+                    })
+                });
+                pipeline.map_err(|error| as_shader_error(error, program, kernel))
+            };
+            let [find, tessellate] = KERNELS;
+            let kernels = [compile(find)?, compile(tessellate)?];
+            self.kernels.insert(program, kernels);
+        }
+        Ok(())
+    }
+
+    fn steps(&self) -> usize {
+        self.steps.len()
+    }
+
+    fn before(&self, encoder: &mut wgpu::CommandEncoder, scene: &SceneBuffers, step: usize) {
+        // A picture of nothing has no step.
+        let Some(Step { program, zones }) = self.steps.get(step) else { return };
+        let Some([find, tessellate]) = self.kernels.get(program) else { return };
+        let count = zones.len() as u32;
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_bind_group(0, &scene.group, &[]);
+        pass.set_bind_group(1, &self.group, &[(step * STEP_STRIDE) as u32]);
+        pass.set_pipeline(find);
+        pass.dispatch_workgroups(count.div_ceil(WORKGROUP), 1, 1);
+        pass.set_pipeline(tessellate);
+        pass.dispatch_workgroups(count, 1, 1);
+    }
+
+    fn draw<'p>(
+        &self,
+        pass: &mut RenderPass<'_>,
+        pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>,
+        step: usize,
+    ) {
+        let Some(Step { program, zones }) = self.steps.get(step) else { return };
+        if let Some(pipeline) = pipeline(*program) {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(2, &self.drawn_group, &[]);
+            pass.draw(0..VERTICES, 0..zones.len() as u32);
+        }
+    }
+
+    fn write_changes(&mut self, device: &Device, before: &Zones, after: &Zones) -> Result<u64, GpuError> {
+        let [old, new] = [before, after].map(|zones| bytemuck::cast_slice(&zones.grids.records));
+        device.write_changes("grids", &self.grids, old, new)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::{Expression, Literal, TypeInner};
+    use pipeline::TrimMethod;
+    use pipeline::wgsl::{Variant, source};
+
+    #[test]
+    fn sides_and_corners_are_those_of_the_shader() {
+        let variant = Variant {
+            parts: PARTS,
+            program: Program::Degree(3),
+            curvature: false,
+            interpolated_normal: false,
+            trims: TrimMethod::Whole,
+        };
+        let module = naga::front::wgsl::parse_str(&source(variant)).unwrap();
+        for (name, value) in [("SIDE", SIDE), ("WORKGROUP", WORKGROUP)] {
+            let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
+            assert_eq!(module.global_expressions[constant.init], Expression::Literal(Literal::U32(value)), "{name}");
+        }
+        let (_, corner) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("MadeCorner")).unwrap();
+        let TypeInner::Struct { span, .. } = corner.inner else { panic!("no struct") };
+        assert_eq!(u64::from(span), CORNER_BYTES);
+    }
+}

@@ -1,0 +1,89 @@
+//! Which zones there are, and in which steps they are drawn.
+
+use crate::grid::Grids;
+use pipeline::{PackedScene, Program};
+use std::ops::Range;
+
+/// Cells of a zone along each side: Concheiro's m.
+pub const SIDE: u32 = 4;
+
+/// Zones of a step at most. Their corners take 13 MB.
+const MOST: u32 = 8192;
+
+/// Zones of a step in the paper: a geometry shader emits at most 1024 words, and a zone is four of them.
+pub const PAPER_ZONES: u32 = 1024 / 4;
+
+/// Zones that are found, evaluated and drawn together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// The program of their faces.
+    pub program: Program,
+    /// The zones.
+    pub zones: Range<u32>,
+}
+
+/// The grids of a scene in zones; none by default.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Zones {
+    /// The grids. The triangles of [`Grids::mesh`] run zone by zone, as they are drawn.
+    pub grids: Grids,
+    /// The number of each grid's first zone, and one more behind the last.
+    pub firsts: Vec<u32>,
+    /// In drawing order.
+    pub steps: Vec<Step>,
+    /// Zones of a step at most.
+    pub most: u32,
+    /// The program of each run of grids, and its zones.
+    programs: Vec<Step>,
+}
+
+impl Zones {
+    /// The zones of grids of a scene.
+    pub fn new(mut grids: Grids, scene: &PackedScene) -> Self {
+        let mut firsts = vec![0];
+        let mut programs: Vec<Step> = vec![];
+        for record in &grids.records {
+            let start = firsts[firsts.len() - 1];
+            let end = start + record.cells().map(|cells| cells.div_ceil(SIDE)).iter().product::<u32>();
+            firsts.push(end);
+            let program = scene.programs()[record.face as usize];
+            match programs.last_mut() {
+                Some(step) if step.program == program => step.zones.end = end,
+                _ => programs.push(Step { program, zones: start..end }),
+            }
+        }
+        grids.mesh.indices = in_zones(&grids);
+        Self { grids, firsts, steps: vec![], most: MOST, programs }.in_steps_of(MOST)
+    }
+
+    /// The same in steps of at most so many zones, one at least.
+    pub fn in_steps_of(self, most: u32) -> Self {
+        let most = most.max(1);
+        let steps = self.programs.iter().flat_map(|Step { program, zones }| {
+            let starts = zones.clone().step_by(most as usize);
+            starts.map(|start| Step { program: *program, zones: start..zones.end.min(start.saturating_add(most)) })
+        });
+        Self { steps: steps.collect(), most, ..self }
+    }
+}
+
+/// The indices of the grids' triangles, zone by zone.
+fn in_zones(grids: &Grids) -> Vec<u32> {
+    let mut indices = Vec::with_capacity(grids.mesh.indices.len());
+    let mut base = 0;
+    for record in &grids.records {
+        let [rows, columns] = record.cells();
+        let starts = |cells: u32| (0..cells).step_by(SIDE as usize);
+        for (row, column) in starts(rows).flat_map(|row| starts(columns).map(move |column| (row, column))) {
+            for i in row..rows.min(row + SIDE) {
+                for j in column..columns.min(column + SIDE) {
+                    let a = base + i * (columns + 1) + j;
+                    let (b, c, d) = (a + columns + 1, a + columns + 2, a + 1);
+                    indices.extend([a, b, c, a, c, d]);
+                }
+            }
+        }
+        base += (rows + 1) * (columns + 1);
+    }
+    indices
+}
