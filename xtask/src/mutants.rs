@@ -108,7 +108,7 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
 
 /// What becomes of each.
 fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
-    let first = Worker::of_sound_sources(args.adapter.as_deref())?;
+    let first = Worker::of_sound_sources(args.adapter.as_deref(), args.technique)?;
     let others: Vec<Worker> = (1..args.jobs).map(|_| first.another()).collect();
     let bar = terminal::progress("mutants", mutants.len());
     let next = AtomicUsize::new(0);

@@ -166,3 +166,20 @@ fn triangles_that_do_not_know_of_each_other_leave_cracks() {
     let odd = odd_positions(&in_pieces("torus"), &techniques::fragment::Fragment, 20, &mut BTreeSet::new());
     assert!(odd > 0, "the check finds no crack where there are some");
 }
+
+/// A cubic border between two ends of which another face has a straight one.
+#[test]
+fn borders_of_other_degrees_between_the_same_ends_are_not_taken_for_one() {
+    let knots = |degree: usize| {
+        let ends = std::iter::repeat_n(0.0, degree + 1).chain(std::iter::repeat_n(1.0, degree + 1));
+        KnotVector::new(degree, ends.collect()).expect("legal")
+    };
+    let row = |y: f64, bend: f64| [(0.0, 0.0), (1.0, bend), (2.0, bend), (3.0, 0.0)].map(|(x, z)| DVec3::new(x, y, z));
+    let curved = Surface::new(knots(1), knots(3), [row(0.0, 1.0), row(1.0, 1.0)].concat(), None).expect("legal");
+    let ends = [row(1.0, 0.0), row(2.0, 0.0)].map(|row| [row[0], row[3]]).concat();
+    let flat = Surface::new(knots(1), knots(1), ends, None).expect("legal");
+    let model = Model::of_surfaces("two degrees", vec![curved, flat]).expect("faces");
+    for vertex in &grids(&model, 0.25).1.mesh.vertices {
+        assert!(vertex.frame == vertex.face || vertex.uv.iter().all(|t| *t == 0.0 || *t == 1.0), "{vertex:?}");
+    }
+}

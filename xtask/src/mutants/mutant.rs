@@ -97,8 +97,7 @@ impl Mutant {
             "trim.wgsl" | "sight.wgsl" => shown.model.is_trimmed(),
             _ => true,
         };
-        let technique = shown.plan.technique;
-        is_used && owner(part).map_or(*technique == *tried_by(part) || shown.fills, |of| *of == *technique)
+        is_used && shown.is_of(tried_by(part)) && owner(part).is_none_or(|of| *of == *shown.plan.technique)
     }
 
     fn part(&self) -> &'static Part {

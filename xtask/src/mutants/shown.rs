@@ -1,9 +1,11 @@
 //! A scene that mutants are shown on.
 
 use crate::stage::Plan;
+use compare::Claims;
 use gbuffer::ShadeKind;
 use pipeline::Scheme;
 use scene::{Camera, Model, Viewport};
+use techniques::Technique;
 
 /// A model, who looks, and how it is drawn.
 #[derive(Clone)]
@@ -30,6 +32,15 @@ pub struct Shown {
 
 /// Side of the pictures.
 pub const SIDE: usize = 40;
+
+impl Shown {
+    /// Whether mutants of a technique's parts are shown on it. Those of the parts that all techniques have are changed with the
+    /// first; they are drawn by a search, too, where faces meet, and not on all scenes that its own parts ask for.
+    pub fn is_of(&self, technique: &'static dyn Technique) -> bool {
+        let is_shared = *technique == *techniques::ALL[0] && self.fills;
+        *self.plan.technique == *technique || is_shared && self.plan.technique.claims() == Claims::OnRay
+    }
+}
 
 /// Of the pictures.
 pub fn viewport() -> Viewport {

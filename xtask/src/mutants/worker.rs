@@ -16,6 +16,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
+use techniques::Technique;
 
 /// How long a scene may keep a worker busy.
 #[derive(Debug, Clone, Copy)]
@@ -55,9 +56,11 @@ const MESA: [(&str, &str); 2] = [("MESA_SHADER_CACHE_DISABLE", "true"), ("GALLIV
 
 /// What a worker is asked.
 #[derive(Debug, Serialize, Deserialize)]
-pub struct Job {
-    /// The change; none asks whether the sources as they are agree on every scene.
-    pub mutant: Option<Mutant>,
+pub enum Job {
+    /// Whether a mutant is caught.
+    Mutant(Mutant),
+    /// Whether the sources as they are agree on every scene that mutants of this technique's parts are shown on.
+    Sound(String),
 }
 
 /// What a worker says.
@@ -120,9 +123,15 @@ fn answer<'s>(
     job: &Job,
     say: &dyn Fn(Word) -> Result<()>,
 ) -> Result<Outcome> {
-    let source = |variant| job.mutant.as_ref().map_or_else(|| wgsl::source(variant), |mutant| mutant.source(variant));
+    let source = |variant| match job {
+        Job::Mutant(mutant) => mutant.source(variant),
+        Job::Sound(_) => wgsl::source(variant),
+    };
     let mut agreed = 0;
-    let is_shown = |(shown, _): &(&Shown, _)| job.mutant.as_ref().is_none_or(|mutant| mutant.is_shown_by(shown));
+    let is_shown = |(shown, _): &(&Shown, _)| match job {
+        Job::Mutant(mutant) => mutant.is_shown_by(shown),
+        Job::Sound(technique) => techniques::named(technique).is_some_and(|technique| shown.is_of(technique)),
+    };
     for (shown, trial) in shown.iter().zip(trials).filter(is_shown) {
         say(Word::Scene(shown.name.to_owned()))?;
         let trial = match trial {
@@ -153,15 +162,15 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// A worker that has drawn the sources as they are on every scene, and found that they agree. Its time is the measure
+    /// A worker that has drawn the sources as they are on every scene of a technique's mutants, and found that they agree. Its time is the measure
     /// of the mutants'.
     ///
     /// # Errors
     /// Where it cannot be started or cannot judge, or the sources do not agree.
-    pub fn of_sound_sources(adapter: Option<&str>) -> Result<Self> {
+    pub fn of_sound_sources(adapter: Option<&str>, technique: &dyn Technique) -> Result<Self> {
         let mut worker = Self { adapter: adapter.map(str::to_owned), limits: Limits::SOUND, running: None };
         let mut slowest = Limits { cpu: Duration::ZERO, wall: Duration::ZERO };
-        if let Outcome::Caught(catch) = worker.drawn(None, &mut slowest)? {
+        if let Outcome::Caught(catch) = worker.drawn(&Job::Sound(technique.name().to_owned()), &mut slowest)? {
             let Catch { scene, cause, detail } = catch;
             bail!("the sources as they are do not agree on {scene}: {cause}: {detail}");
         }
@@ -179,15 +188,15 @@ impl Worker {
     /// # Errors
     /// Where a worker cannot be started or cannot judge.
     pub fn outcome(&mut self, mutant: &Mutant) -> Result<Outcome> {
-        self.drawn(Some(mutant), &mut Limits { cpu: Duration::ZERO, wall: Duration::ZERO })
+        self.drawn(&Job::Mutant(mutant.clone()), &mut Limits { cpu: Duration::ZERO, wall: Duration::ZERO })
     }
 
-    fn drawn(&mut self, mutant: Option<&Mutant>, slowest: &mut Limits) -> Result<Outcome> {
+    fn drawn(&mut self, job: &Job, slowest: &mut Limits) -> Result<Outcome> {
         if self.running.is_none() {
             self.running = Some(Running::start(self.adapter.as_deref())?);
         }
         let running = self.running.as_mut().expect("just started");
-        let asked = running.ask(&Job { mutant: mutant.cloned() });
+        let asked = running.ask(job);
         let mut scene = "start".to_owned();
         let (cause, detail) = loop {
             let disconnected = Err(RecvTimeoutError::Disconnected);
@@ -205,7 +214,7 @@ impl Worker {
             }
         };
         self.running = None;
-        if mutant.is_none() {
+        if matches!(job, Job::Sound(_)) {
             bail!("on {scene}, with the sources as they are: {cause}: {detail}");
         }
         Ok(Outcome::Caught(Catch { scene, cause: cause.to_owned(), detail: detail.to_owned() }))

@@ -165,13 +165,16 @@ impl Curve {
     /// Whether another is the same curve, parametrized alike, or backwards where `turned`.
     fn is_same(&self, other: &Self, turned: bool, near: f64) -> bool {
         let count = self.points.len();
+        if count != other.points.len() {
+            return false;
+        }
         let of = |k: usize| if turned { count - 1 - k } else { k };
         let ratio = self.weights[0] / other.weights[of(0)];
         let alike = |k: usize| {
             let (a, b) = (self.weights[k], ratio * other.weights[of(k)]);
             self.points[k].distance(other.points[of(k)]) <= near && (a - b).abs() <= SAME_WEIGHT * a
         };
-        count == other.points.len() && (0..count).all(alike)
+        (0..count).all(alike)
     }
 
     fn is_collapsed(&self, near: f64) -> bool {
