@@ -217,7 +217,7 @@ impl<'a> Renderer<'a> {
             .collect()
     }
 
-    /// The picture that the device itself shades, on [`background`].
+    /// The picture that the device itself shades, on [`background`](gbuffer::background).
     ///
     /// Curvature shading needs a renderer that computes curvature; without it every point's is unknown.
     ///

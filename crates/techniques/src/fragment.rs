@@ -1,6 +1,6 @@
 //! Technique `fragment`: a coarse tessellation carries (u, v, face); each fragment evaluates the surface there (Kanai 2007).
 //!
-//! [`tessellation`] cuts cells by a bound on the chord error, [`gpu`] feeds the triangles to the device.
+//! `tessellation` cuts cells by a bound on the chord error, `gpu` feeds the triangles to the device.
 
 mod cells;
 mod gpu;

@@ -1,9 +1,9 @@
 //! Technique `grid`: the grid of each Bézier patch is evaluated in the vertex stage (Geiger 2015, Sec. 3.3; Concheiro et al. 2011's
 //! VST); each fragment evaluates the surface at the (u, v) that a triangle carries.
 //!
-//! [`grids`] chooses how fine each grid is, by a proven bound on its error in pixels; [`joints`] finds the borders and corners
-//! that patches share, and [`corner`] evaluates these alike for all of them, so that grids of different levels meet vertex on
-//! vertex. [`gpu`] draws grids of one size by one call. No vertex is stored on the device.
+//! `grids` chooses how fine each grid is, by a proven bound on its error in pixels; `joints` finds the borders and corners
+//! that patches share, and `corner` evaluates these alike for all of them, so that grids of different levels meet vertex on
+//! vertex. `gpu` draws grids of one size by one call. No vertex is stored on the device.
 
 mod corner;
 mod gpu;

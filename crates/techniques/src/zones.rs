@@ -2,7 +2,7 @@
 //! fragment evaluates the surface at the (u, v) that a triangle carries.
 //!
 //! How fine grids are, and how they meet, is what technique `grid` says. Their corners are evaluated once a zone and not once a
-//! triangle, and none is kept beyond the step that draws it. WGSL has no geometry stage: [`gpu`] has compute kernels in its place.
+//! triangle, and none is kept beyond the step that draws it. WGSL has no geometry stage: `gpu` has compute kernels in its place.
 
 mod gpu;
 mod plan;

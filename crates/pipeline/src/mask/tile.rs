@@ -26,7 +26,7 @@ pub struct Tile {
 pub struct Ring {
     /// How many loops it lies in.
     pub depth: usize,
-    /// Its curves among [`MaskPlan::curves`], closed in their order.
+    /// Its curves among [`MaskPlan::curves`](super::MaskPlan::curves), closed in their order.
     pub curves: Range<usize>,
 }
 
