@@ -70,6 +70,9 @@ impl Prepared for Grids {
 
     /// The grids keep their parameters; on the device nothing of them is new.
     fn edited(&self, setting: &Setting, _face: FaceId) -> Result<Arc<dyn Prepared>, PrepareError> {
-        Ok(Arc::new(Grids::edited(self, setting.model, setting.scene)))
+        match Grids::edited(self, setting.model, setting.scene) {
+            Some(edited) => Ok(Arc::new(edited)),
+            None => Grid.prepare(setting),
+        }
     }
 }

@@ -65,7 +65,9 @@ impl Prepared for Zones {
     }
 
     fn edited(&self, setting: &Setting, _face: FaceId) -> Result<Arc<dyn Prepared>, PrepareError> {
-        let grids = self.grids.edited(setting.model, setting.scene);
-        Ok(Arc::new(Self::new(grids, setting.scene).in_steps_of(self.most)))
+        match self.grids.edited(setting.model, setting.scene) {
+            Some(grids) => Ok(Arc::new(Self::new(grids, setting.scene).in_steps_of(self.most))),
+            None => ByZones.prepare(setting),
+        }
     }
 }

@@ -183,3 +183,20 @@ fn borders_of_other_degrees_between_the_same_ends_are_not_taken_for_one() {
         assert!(vertex.frame == vertex.face || vertex.uv.iter().all(|t| *t == 0.0 || *t == 1.0), "{vertex:?}");
     }
 }
+
+/// A weight that is a thousand times the others' cuts its patch into parts.
+#[test]
+fn an_edit_that_leaves_other_parts_is_prepared_anew() {
+    let model = formats::builtin("rational").expect("built in");
+    let surface = &model.surfaces()[0];
+    let mut weights = surface.weights().expect("rational").to_vec();
+    let middle = weights.len() / 2;
+    weights[middle] *= 1000.0;
+    let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
+    let heavy = Surface::new(u, v, surface.points().to_vec(), Some(weights)).expect("as legal as before");
+    let edited = model.with_surface(0, heavy);
+    let (_, before) = grids(&model, 2.0);
+    let (after, expected) = grids(&edited, 2.0);
+    assert_eq!(before.edited(&edited, &after), None);
+    assert_eq!(expected.edited(&edited, &after).as_ref(), Some(&expected));
+}

@@ -212,18 +212,22 @@ impl Grids {
         Ok(grids)
     }
 
-    /// The same grids over a scene whose control points have moved. Chords are those of the new surfaces.
-    pub fn edited(&self, model: &Model, scene: &PackedScene) -> Self {
+    /// The same grids over a scene whose control points have moved; `None` where the edit leaves other parts than there were.
+    /// Chords are those of the new surfaces.
+    pub fn edited(&self, model: &Model, scene: &PackedScene) -> Option<Self> {
         let surfaces: Vec<SurfaceParts> =
             model.surfaces().par_iter().map(|surface| SurfaceParts::new(surface, |_| f64::INFINITY)).collect();
         let faces = faces(model, scene, &surfaces);
         let measured = |record: &GridRecord| {
             let is_own = |part: &&&Measured| part.part.span == record.span && part.part.from == record.from;
-            *faces[record.face as usize].measured.iter().find(is_own).expect("the parts are the same")
+            faces.get(record.face as usize)?.measured.iter().find(is_own).map(|part| (*record, *part))
         };
-        let records: Vec<_> = self.records.iter().map(|record| (*record, measured(record))).collect();
+        let records: Vec<_> = self.records.iter().map(measured).collect::<Option<_>>()?;
+        if records.len() != faces.iter().map(|face| face.measured.len()).sum::<usize>() {
+            return None;
+        }
         let chord = chords(scene, &records);
-        Self { mesh: self.made(scene), chord, ..self.clone() }
+        Some(Self { mesh: self.made(scene), chord, ..self.clone() })
     }
 
     /// Number of triangles.
