@@ -9,6 +9,7 @@ mod field;
 mod folds;
 mod foreign;
 mod golden;
+mod grids;
 mod judging;
 mod licences;
 mod rays;
