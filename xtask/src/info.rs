@@ -1,9 +1,12 @@
 //! `info`: what a model consists of.
 
+mod approximation;
+
 use crate::format::Format;
 use crate::view::ModelArgs;
-use crate::{say, terminal};
+use crate::{number, say, terminal};
 use anyhow::Result;
+use approximation::{ApproximationInfo, approximated};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use nurbs::{Direction, Hull, KnotVector, Surface};
@@ -24,6 +27,9 @@ pub struct InfoArgs {
     /// List the built-in models instead
     #[arg(long)]
     list: bool,
+    /// Say how many bicubic patches stand for the model within this distance, model units, and how far off they are at most
+    #[arg(long, value_name = "TOL", value_parser = number::positive, allow_hyphen_values = true)]
+    approximate: Option<f64>,
     /// For people or for machines
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -68,6 +74,9 @@ struct ModelInfo {
     bezier_patches: usize,
     /// Absent where no face has loops.
     trimming: Option<TrimmingInfo>,
+    /// Absent where none was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    approximation: Option<ApproximationInfo>,
 }
 
 /// Runs the command.
@@ -82,9 +91,17 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         return Ok(());
     }
     let model = args.model.open()?;
+    let approximation = args.approximate.map(|tolerance| approximated(&model, tolerance)).transpose()?;
     match args.format {
-        Format::Json => terminal::json_lines(&describe(&model))?,
-        Format::Table => say!("{}", text(&model))?,
+        Format::Json => terminal::json_lines(&ModelInfo { approximation, ..describe(&model) })?,
+        Format::Table => {
+            say!("{}", text(&model))?;
+            if let Some(ApproximationInfo { tolerance, patches, bicubic_patches, bound, .. }) = approximation {
+                say!(
+                    "within {tolerance:e}: {bicubic_patches} bicubic patches stand for {patches} Bézier patches, at most {bound:.3e} off"
+                )?;
+            }
+        }
     }
     Ok(())
 }
@@ -139,6 +156,7 @@ fn describe(model: &Model) -> ModelInfo {
         hull: corners(model.hull()),
         bezier_patches,
         trimming: model.is_trimmed().then(|| trimming(model)),
+        approximation: None,
     }
 }
 

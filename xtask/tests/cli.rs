@@ -442,3 +442,20 @@ fn a_bad_face_is_named_and_the_good_one_is_drawn_unless_strict() {
     assert!(info["notes"][0].as_str().expect("a note").starts_with(named), "{}", info["notes"]);
     assert_eq!((&info["faces"][0]["face"], &info["faces"][0]["number_in_file"]), (&json!(0), &json!(1)));
 }
+
+#[test]
+fn info_says_how_many_bicubic_patches_stand_for_a_model_and_names_the_patch_that_cannot_be() {
+    let info = |tolerance| xtask(&["info", "quintic-quadratic", "--approximate", tolerance, "--format", "json"]);
+    let found: Value = serde_json::from_slice(&info("1e-4").stdout).expect("JSON");
+    let approximation = &found["approximation"];
+    assert_eq!(approximation["patches"], found["bezier_patches"]);
+    assert!(approximation["bicubic_patches"].as_u64() > approximation["patches"].as_u64(), "{approximation}");
+    let bound = approximation["bound"].as_f64().expect("a number");
+    assert!(0.0 < bound && bound <= 1e-4, "{approximation}");
+    let refused = info("1e-18");
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{message}");
+    assert!(message.contains("surface 0, patch 0 on [") && message.contains("1e-18"), "{message}");
+    let plain: Value = serde_json::from_slice(&xtask(&["info", "teapot", "--format", "json"]).stdout).expect("JSON");
+    assert!(plain.get("approximation").is_none());
+}
