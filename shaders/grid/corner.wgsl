@@ -100,8 +100,9 @@ fn corner(grid: u32, u: Line, v: Line) -> VertexOutput {
     let sites = array<Site, 2>(Site(face, Parameters(span, uv)), site);
     var own: Fragment;
     var seam: Fragment;
-    // A loop, so that the program stands there once.
-    for (var k = 0u; k < 2u; k++) {
+    // A loop, so that the program stands there once; its own evaluation serves where nobody shares it.
+    let evaluations = select(1u, 2u, u.side == 0.0 && v.side == 0.0 && any(on_border));
+    for (var k = 0u; k < evaluations; k++) {
         seam = fragment(sites[k].face, sites[k].place);
         if (k == 0u) {
             own = seam;
