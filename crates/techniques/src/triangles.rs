@@ -7,3 +7,17 @@ mod cut;
 pub mod frustum;
 pub mod gpu;
 pub mod patches;
+
+/// Triangles up to which the chord error asked for decides; a camera on a face would ask for any number, and gets a coarser
+/// tessellation beyond.
+pub const REFINED_TRIANGLES: usize = 1 << 22;
+
+/// How much wider than the chord error the skirt of a bounded face is, pixels: what snapping moves its corners by, and what
+/// a pixel may be beyond the border and still be covered.
+pub const SKIRT_PX: f64 = 1.0 / 16.0;
+
+/// The corners of a cell's two triangles, from its first corner on, where a row in v has `columns` corners.
+pub fn cell(first: u32, columns: u32) -> [u32; 6] {
+    let [a, b, c, d] = [first, first + columns, first + columns + 1, first + 1];
+    [a, b, c, a, c, d]
+}

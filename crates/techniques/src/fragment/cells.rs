@@ -1,15 +1,12 @@
 //! How many cells a face is cut into, and the chord error that they come to.
 
+use crate::triangles::REFINED_TRIANGLES;
 use crate::triangles::bounds::Bounds;
 use crate::triangles::patches::{patches_on, spans_of};
 use nurbs::{DerivativeBounds, Surface};
 use pipeline::PackedFrame;
 use scene::Region;
 use std::ops::Range;
-
-/// Triangles up to which the chord error decides; a camera on a face would ask for any number, and gets a coarser tessellation
-/// beyond.
-pub(super) const REFINED_TRIANGLES: usize = 1 << 22;
 
 /// Cells of one span in one direction at most: what [`REFINED_TRIANGLES`] leaves of it however narrow it is.
 pub(super) const GREATEST_CELLS: usize = REFINED_TRIANGLES / 2;

@@ -1,19 +1,16 @@
 //! The triangles of technique `fragment`: a coarse tessellation, whose corners carry (u, v, face).
 
-use super::cells::{Cells, GREATEST_CELLS, REFINED_TRIANGLES, Wanted, chord_bounds, total};
+use super::cells::{Cells, GREATEST_CELLS, Wanted, chord_bounds, total};
 use super::grid::{Grid, Skirt, corner, grids_of_spans, mesh};
 use crate::error::PrepareError;
 use crate::triangles::bounds::Bounds;
-use crate::triangles::frustum::Frustum;
+use crate::triangles::frustum::pixels;
 use crate::triangles::patches::spans_of;
-use nurbs::{BezierPatch, Surface};
+use crate::triangles::{REFINED_TRIANGLES, SKIRT_PX, cell};
+use nurbs::Surface;
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Parameters, SEARCHED, Vertex, in_drawing_order};
 use rayon::prelude::*;
 use scene::{Camera, Face, FaceId, Model, Viewport};
-
-/// How much wider than the chord error the skirt of a bounded face is, pixels: what snapping moves its corners by, and what
-/// a pixel may be beyond the border and still be covered.
-const SKIRT_PX: f64 = 1.0 / 16.0;
 
 /// Flat triangles over all faces of a scene; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -53,14 +50,10 @@ impl Tessellation {
         if chord_px <= 0.0 || !chord_px.is_finite() {
             return Err(PrepareError::Chord { chord_px });
         }
-        let in_picture = Frustum::new(camera, viewport);
-        let pixel = |patch: &BezierPatch| {
-            let hull = patch.close_hull();
-            if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY }
-        };
+        let pixel = pixels(camera, viewport);
         let of_surface = |surface: &Surface| {
             let patches = surface.bezier_patches();
-            (Bounds::of(&patches), patches.iter().map(pixel).collect())
+            (Bounds::of(&patches), patches.iter().map(&pixel).collect())
         };
         let surfaces: Vec<(Bounds, Vec<f64>)> = model.surfaces().par_iter().map(of_surface).collect();
         let of_face = |(id, face): (usize, &Face)| {
@@ -152,9 +145,7 @@ impl Tessellation {
                 let [columns, rows] = [grid.columns, grid.rows()].map(|count| count as u32);
                 for i in 0..rows - 1 {
                     for j in 0..columns - 1 {
-                        let a = base + i * columns + j;
-                        let (b, c, d) = (a + columns, a + columns + 1, a + 1);
-                        all.indices.extend([a, b, c, a, c, d]);
+                        all.indices.extend(cell(base + i * columns + j, columns));
                     }
                 }
                 base += rows * columns;

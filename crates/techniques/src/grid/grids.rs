@@ -5,23 +5,17 @@ use super::joints::{FaceParts, Joints, Part};
 use super::record::{GridRecord, LOW_U};
 use crate::error::PrepareError;
 use crate::triangles::bounds::{part_counts, parts_of};
-use crate::triangles::frustum::Frustum;
+use crate::triangles::frustum::pixels;
 use crate::triangles::patches::spans_of;
+use crate::triangles::{REFINED_TRIANGLES, SKIRT_PX, cell};
 use nurbs::{BezierPatch, DerivativeBounds, Surface};
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Program, RATIONAL, Vertex};
 use rayon::prelude::*;
 use scene::{Camera, FaceId, Model, Viewport};
 use std::ops::Range;
 
-/// Triangles up to which the error asked for decides, but for one grid cell a patch.
-const REFINED_TRIANGLES: f64 = (1 << 22) as f64;
-
 /// log₂ of the cells of a patch in one direction at most.
 const GREATEST_LEVEL: u32 = 11;
-
-/// How much wider than the error the skirt of a bounded face is, pixels: what snapping moves its corners by, and what a pixel
-/// may be beyond the border and still be covered.
-const SKIRT_PX: f64 = 1.0 / 16.0;
 
 /// Grids of one program with as many cells, which one draw call instances.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,13 +145,9 @@ impl Grids {
         if error_px <= 0.0 || !error_px.is_finite() {
             return Err(PrepareError::Chord { chord_px: error_px });
         }
-        let in_picture = Frustum::new(camera, viewport);
-        let pixel = |patch: &BezierPatch| {
-            let hull = patch.close_hull();
-            if in_picture.meets(&hull) { camera.pixel_at(viewport, hull) } else { f64::INFINITY }
-        };
+        let pixel = pixels(camera, viewport);
         let surfaces: Vec<SurfaceParts> =
-            model.surfaces().par_iter().map(|surface| SurfaceParts::new(surface, pixel)).collect();
+            model.surfaces().par_iter().map(|surface| SurfaceParts::new(surface, &pixel)).collect();
         let faces = faces(model, scene, &surfaces);
         let joints =
             Joints::new(&faces.iter().map(|face| face.parts(model)).collect::<Vec<_>>(), model.hull().diagonal());
@@ -167,7 +157,7 @@ impl Grids {
             let cells = |level: &[u32; 2]| f64::from(1u32 << level[0]) * f64::from(1u32 << level[1]);
             let triangles = 2.0 * levels.iter().flatten().map(cells).sum::<f64>();
             let least = 2.0 * faces.iter().map(|face| face.measured.len() as f64).sum::<f64>();
-            if triangles <= REFINED_TRIANGLES.max(2.0 * least) {
+            if triangles <= (REFINED_TRIANGLES as f64).max(2.0 * least) {
                 break (levels, borders);
             }
             built_px *= 2.0;
@@ -251,9 +241,7 @@ impl Grids {
             mesh.vertices.extend_from_slice(vertices);
             for i in 0..rows {
                 for j in 0..columns {
-                    let a = base + i * (columns + 1) + j;
-                    let (b, c, d) = (a + columns + 1, a + columns + 2, a + 1);
-                    mesh.indices.extend([a, b, c, a, c, d]);
+                    mesh.indices.extend(cell(base + i * (columns + 1) + j, columns + 1));
                 }
             }
             mesh.batch(scene.programs()[record.face as usize], first);

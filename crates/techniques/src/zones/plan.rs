@@ -1,6 +1,7 @@
 //! Which zones there are, and in which steps they are drawn.
 
 use crate::grid::Grids;
+use crate::triangles::cell;
 use pipeline::{PackedScene, Program};
 use std::ops::Range;
 
@@ -77,9 +78,7 @@ fn in_zones(grids: &Grids) -> Vec<u32> {
         for (row, column) in starts(rows).flat_map(|row| starts(columns).map(move |column| (row, column))) {
             for i in row..rows.min(row + SIDE) {
                 for j in column..columns.min(column + SIDE) {
-                    let a = base + i * (columns + 1) + j;
-                    let (b, c, d) = (a + columns + 1, a + columns + 2, a + 1);
-                    indices.extend([a, b, c, a, c, d]);
+                    indices.extend(cell(base + i * (columns + 1) + j, columns + 1));
                 }
             }
         }
