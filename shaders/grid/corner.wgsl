@@ -98,13 +98,16 @@ fn corner(grid: u32, u: Line, v: Line) -> VertexOutput {
     }
     let uv = grids[grid].start + grids[grid].size * t;
     let sites = array<Site, 2>(Site(face, Parameters(span, uv)), site);
+    // Its own evaluation, where another one gives the position, is for normals and for what is in another face's coordinates.
+    let is_shared = u.side == 0.0 && v.side == 0.0 && any(on_border);
+    let first = select(0u, 1u, is_shared && site.face == face && !INTERPOLATED_NORMAL);
+    let last = select(0u, 1u, is_shared);
     var own: Fragment;
     var seam: Fragment;
-    // A loop, so that the program stands there once; its own evaluation serves where nobody shares it.
-    let evaluations = select(1u, 2u, u.side == 0.0 && v.side == 0.0 && any(on_border));
-    for (var k = 0u; k < evaluations; k++) {
+    // A loop, so that the program stands there once.
+    for (var k = first; k <= last; k++) {
         seam = fragment(sites[k].face, sites[k].place);
-        if (k == 0u) {
+        if (k == first) {
             own = seam;
         }
     }

@@ -42,8 +42,32 @@ const FAULTS: &[Fault] = &[
     Fault {
         name: "a transposed grid",
         technique: &Grid,
-        replace: ["corner_at(grid, at.x, at.y)", "corner_at(grid, at.y, at.x)"],
+        replace: ["corner_at(tile.grid, at.x, at.y)", "corner_at(tile.grid, at.y, at.x)"],
         causes: &[Cause::Coverage, Cause::Depth, Cause::Interpolation],
+    },
+    Fault {
+        name: "levels for an error eight times as large",
+        technique: &Grid,
+        replace: ["product(asked.error_px, pixel)", "product(8.0 * asked.error_px, pixel)"],
+        causes: &[Cause::Coverage, Cause::Depth, Cause::Interpolation],
+    },
+    Fault {
+        name: "what is left of the middle is not drawn",
+        technique: &Grid,
+        replace: ["plus(wide, x)", "x"],
+        causes: &[Cause::Coverage, Cause::Depth],
+    },
+    Fault {
+        name: "each grid loses a tile to the one before",
+        technique: &Grid,
+        replace: ["before += own;", "before += max(own, 1u) - 1u;"],
+        causes: &[Cause::Coverage, Cause::Depth],
+    },
+    Fault {
+        name: "tiles across are taken for tiles along",
+        technique: &Grid,
+        replace: ["((k / across) << row.side)", "((k % across) << row.side)"],
+        causes: &[Cause::Coverage, Cause::Depth],
     },
     Fault {
         name: "zones without their overlap",

@@ -1,5 +1,6 @@
 //! What is uploaded once: the packed scene. Views and shading are written anew each frame.
 
+use crate::groups::{READ, UNIFORM, whole};
 use crate::masks::{MaskBlend, MaskPainter};
 use crate::{Device, GpuError};
 use gbuffer::ShadeUniform;
@@ -15,12 +16,26 @@ const UPLOADING: &str = "uploading the scene";
 /// Bindings of `shaders/layout.wgsl`, in order.
 const STORAGE_BINDINGS: [&str; 4] = ["faces", "views", "knots", "control points"];
 
+/// Which of them the views are.
+const VIEWS: usize = 1;
+
+/// The layouts of group 0.
+#[derive(Clone)]
+pub struct SceneLayouts {
+    /// Of every program.
+    pub scene: wgpu::BindGroupLayout,
+    /// Of kernels that read the views and no more: WebGPU promises a stage eight storage buffers.
+    pub views: wgpu::BindGroupLayout,
+}
+
 /// The scene's numbers on the device.
 pub struct SceneBuffers {
-    /// Of group 0 of every program.
-    pub layout: wgpu::BindGroupLayout,
-    /// That group.
+    /// Of the groups.
+    pub layouts: SceneLayouts,
+    /// Group 0 of every program.
     pub group: wgpu::BindGroup,
+    /// Group 0 of kernels that read the views and no more.
+    pub views_group: wgpu::BindGroup,
     /// As [`STORAGE_BINDINGS`].
     storage: [wgpu::Buffer; 4],
     shading: wgpu::Buffer,
@@ -29,7 +44,10 @@ pub struct SceneBuffers {
 
 impl SceneBuffers {
     /// Uploads a scene for shaders of the stages `visibility`, and draws its masks where it has any.
-    pub(crate) fn new(
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] where it does not fit the adapter; [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    pub fn new(
         device: &Device,
         scene: &PackedScene,
         visibility: ShaderStages,
@@ -52,43 +70,41 @@ impl SceneBuffers {
         let shading = device.buffer("shading", BufferUsages::UNIFORM, bytemuck::bytes_of(&shading))?;
         let draw = |masks: &Masks| MaskPainter::new(device, blend)?.draw(device, &masks.plan);
         let atlas = scene.masks().filter(|_| scene.is_trimmed()).map(draw).transpose()?;
-        let (layout, group) = device.guarded(UPLOADING, || {
-            let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-            let read_only = buffer(wgpu::BufferBindingType::Storage { read_only: true });
-            let mut types = vec![read_only; 4];
-            types.push(buffer(wgpu::BufferBindingType::Uniform));
-            let mut resources: Vec<_> =
-                storage.iter().chain([&shading]).map(|buffer| buffer.as_entire_binding()).collect();
+        let (layouts, group, views_group) = device.guarded(UPLOADING, || {
+            let mut types = vec![READ, READ, READ, READ, UNIFORM];
+            let mut resources: Vec<_> = whole(storage.iter().chain([&shading])).collect();
             if let Some(atlas) = &atlas {
                 types.push(wgpu::BindingType::Texture {
                     sample_type: wgpu::TextureSampleType::Float { filterable: false },
                     view_dimension: wgpu::TextureViewDimension::D2,
                     multisampled: false,
                 });
-                resources.push(wgpu::BindingResource::TextureView(&atlas.view));
+                resources.push((5, wgpu::BindingResource::TextureView(&atlas.view)));
             }
-            let entries: Vec<_> = (0..)
-                .zip(types)
-                .map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
-                .collect();
-            let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("scene"), entries: &entries };
-            let layout = device.wgpu.create_bind_group_layout(&descriptor);
-            let entries: Vec<_> =
-                (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-            let descriptor = wgpu::BindGroupDescriptor { label: Some("scene"), layout: &layout, entries: &entries };
-            let group = device.wgpu.create_bind_group(&descriptor);
-            (layout, group)
+            let scene = device.group_layout("scene", visibility, (0..).zip(types));
+            let group = device.group("scene", &scene, resources);
+            let views = device.group_layout("views", ShaderStages::COMPUTE, [(VIEWS as u32, READ)]);
+            let views_group = device.group("views", &views, [(VIEWS as u32, storage[VIEWS].as_entire_binding())]);
+            (SceneLayouts { scene, views }, group, views_group)
         })?;
-        Ok(Self { layout, group, storage, shading, faces })
+        Ok(Self { layouts, group, views_group, storage, shading, faces })
+    }
+
+    /// How many bytes they are, masks aside.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.storage.iter().chain([&self.shading]).map(wgpu::Buffer::size).sum()
     }
 
     /// Says how each face is seen in the next frame.
-    pub(crate) fn write_views(&self, device: &Device, views: &[View]) -> Result<(), GpuError> {
+    ///
+    /// # Errors
+    /// [`GpuError::ViewCount`]; [`GpuError::Lost`].
+    pub fn write_views(&self, device: &Device, views: &[View]) -> Result<(), GpuError> {
         if views.len() != self.faces {
             return Err(GpuError::ViewCount { expected: self.faces, found: views.len() });
         }
         device.guarded("writing the views", || {
-            device.queue.write_buffer(&self.storage[1], 0, bytemuck::cast_slice(views))
+            device.queue.write_buffer(&self.storage[VIEWS], 0, bytemuck::cast_slice(views))
         })
     }
 
@@ -178,19 +194,5 @@ impl Device {
         let limit = self.limits.max_storage_buffer_binding_size;
         self.fits(what, "max_storage_buffer_binding_size", bytes.len() as u64, limit)?;
         self.buffer(what, BufferUsages::STORAGE | BufferUsages::COPY_SRC, bytes)
-    }
-
-    /// A group of whole buffers at bindings 0, 1, 2 …
-    pub fn group<'b>(
-        &self,
-        label: &str,
-        layout: &wgpu::BindGroupLayout,
-        buffers: impl IntoIterator<Item = &'b wgpu::Buffer>,
-    ) -> wgpu::BindGroup {
-        let entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        self.wgpu.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
     }
 }

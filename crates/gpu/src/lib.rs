@@ -9,6 +9,7 @@ mod buffers;
 mod device;
 mod error;
 mod faults;
+pub mod groups;
 mod masks;
 mod modules;
 mod pass;
@@ -18,7 +19,7 @@ mod readback;
 mod renderer;
 mod targets;
 
-pub use buffers::SceneBuffers;
+pub use buffers::{SceneBuffers, SceneLayouts};
 pub use device::{AdapterInfo, AdapterKind, Device, adapters};
 pub use error::{GpuError, SOFTWARE_DRIVER};
 pub use faults::{DepthOrder, Overrides};

@@ -6,12 +6,13 @@
 //! holds exactly, and WebGPU promises that the format blends. A logic operation would do the same, and wgpu has none; nor do
 //! faces need rectangles to be cut to: a triangle with its corners in the box of a loop stays in it.
 
+use crate::groups::{READ, UNIFORM, whole};
 use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
 use pipeline::mask::MaskPlan;
 use pipeline::wgsl;
 use wgpu::{
-    BlendComponent, BlendFactor, BlendOperation, BufferBindingType, BufferUsages, ShaderStages, TextureFormat,
+    BlendComponent, BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat,
     TextureUsages,
 };
 
@@ -74,7 +75,7 @@ impl MaskPainter {
             device.buffer("the atlas's extent", BufferUsages::UNIFORM, bytemuck::bytes_of(&extent))?,
         ];
         let encoder = device.guarded(DRAWING, || {
-            let group = device.group("masks", &self.layout, &buffers);
+            let group = device.group("masks", &self.layout, whole(&buffers));
             let mut encoder = device.wgpu.create_command_encoder(&Default::default());
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("masks"),
@@ -152,26 +153,11 @@ impl MaskAtlas {
 }
 
 fn layout(device: &Device) -> wgpu::BindGroupLayout {
-    let storage = BufferBindingType::Storage { read_only: true };
-    let entries: Vec<_> = (0..)
-        .zip([storage, storage, BufferBindingType::Uniform])
-        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: ShaderStages::VERTEX,
-            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-            count: None,
-        })
-        .collect();
-    let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("masks"), entries: &entries };
-    device.wgpu.create_bind_group_layout(&descriptor)
+    device.group_layout("masks", ShaderStages::VERTEX, (0..).zip([READ, READ, UNIFORM]))
 }
 
 fn pipeline(device: &Device, layout: &wgpu::BindGroupLayout, blend: MaskBlend) -> wgpu::RenderPipeline {
-    let layout = device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("masks"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
+    let layout = device.pipeline_layout("masks", &[Some(layout)]);
     let module = device.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("masks"),
         source: wgpu::ShaderSource::Wgsl(wgsl::ENTRY_MASK.into()),

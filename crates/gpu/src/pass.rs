@@ -46,6 +46,9 @@ pub trait Pass {
         TextureUsages::empty()
     }
 
+    /// Bytes on the device that it holds beside the scene, from frame to frame; targets of pictures are not among them.
+    fn bytes(&self) -> u64;
+
     /// Compiles the pipelines that are not there yet.
     ///
     /// # Errors

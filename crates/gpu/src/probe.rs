@@ -1,15 +1,15 @@
 //! The fragment program at given parameters, in a compute shader: no triangles, no interpolation, no coverage.
 
 use crate::buffers::SceneBuffers;
+use crate::groups::{READ, WRITE, whole};
 use crate::masks::MaskBlend;
-use crate::modules::as_shader_error;
 use crate::readback::Record;
 use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
 use pipeline::fragment::Fragment;
 use pipeline::wgsl::{self, Part, Variant};
 use pipeline::{PackedScene, Parameters, Program, TrimMethod};
-use wgpu::{BufferBindingType, ShaderStages};
+use wgpu::ShaderStages;
 
 /// The compute entry point `probe`.
 pub const PROBE: &[Part] = &[Part { file: "probe.wgsl", text: include_str!("../../../shaders/probe.wgsl") }];
@@ -89,38 +89,11 @@ fn answers(
         Variant { parts: PROBE, program, curvature: true, interpolated_normal: false, trims: TrimMethod::Curves };
     let module = device.module(program, wgsl::source(variant))?;
     let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, MaskBlend::default())?;
-    let (pipeline, layout) = device
-        .guarded(PROBING, || {
-            let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility: ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer {
-                    ty: BufferBindingType::Storage { read_only },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            };
-            let layout = device.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("probe"),
-                entries: &[entry(0, true), entry(1, false)],
-            });
-            let pipeline_layout = device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("probe"),
-                bind_group_layouts: &[Some(&buffers.layout), Some(&layout)],
-                immediate_size: 0,
-            });
-            let pipeline = device.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("probe"),
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: Some("probe"),
-                compilation_options: Default::default(),
-                cache: None,
-            });
-            (pipeline, layout)
-        })
-        .map_err(|error| as_shader_error(error, program, "probe"))?;
+    let (pipeline_layout, layout) = device.guarded(PROBING, || {
+        let layout = device.group_layout("probe", ShaderStages::COMPUTE, (0..).zip([READ, WRITE]));
+        (device.pipeline_layout("probe", &[Some(&buffers.layouts.scene), Some(&layout)]), layout)
+    })?;
+    let pipeline = device.kernel(&pipeline_layout, (program, &module), "probe", &[])?;
     let mut answers = Vec::with_capacity(queries.len());
     for chunk in queries.chunks(GREATEST_DISPATCH) {
         let records = dispatch(device, &buffers, &pipeline, &layout, chunk)?;
@@ -147,7 +120,7 @@ fn dispatch(
     let asked = device.storage("probe queries", bytemuck::cast_slice(&questions))?;
     let answered = device.storage("probe answers", bytemuck::cast_slice(&words))?;
     let encoder = device.guarded(PROBING, || {
-        let group = device.group("probe", layout, [&asked, &answered]);
+        let group = device.group("probe", layout, whole([&asked, &answered]));
         let mut encoder = device.wgpu.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(pipeline);

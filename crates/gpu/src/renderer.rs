@@ -97,6 +97,11 @@ impl<'a> Renderer<'a> {
         Ok(Self { device, scene, curvature, buffers, modules, technique: drawn.technique(), pass })
     }
 
+    /// Bytes on the device that the scene takes, and that its technique holds beside it; pictures come on top.
+    pub fn bytes(&self) -> [u64; 2] {
+        [self.buffers.bytes(), self.pass.bytes()]
+    }
+
     /// Draws something else from now on; it must be of the same scene.
     ///
     /// # Errors

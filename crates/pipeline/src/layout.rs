@@ -83,7 +83,7 @@ pub struct View {
     /// The eye in local coordinates and 1 (perspective), or the unit view direction and 0 (orthographic).
     pub eye: [f32; 4],
     /// 1 / (model units a local unit), by which a local curvature becomes one of the model; half the picture's width and
-    /// height in pixels; 0.
+    /// height in pixels; the local units that a pixel covers where w is 1, which is as many times more elsewhere.
     pub units: [f32; 4],
 }
 

@@ -7,14 +7,14 @@ use crate::vertex::{Corner, Screen, clip_position};
 use pipeline::{Mesh, Vertex, View};
 use rayon::prelude::*;
 use scene::Viewport;
+use std::borrow::Cow;
 
 /// Corners in the picture, and the pieces of triangles that had to be clipped.
-///
 ///
 /// Triangle `id` below the mesh's count is the mesh's own; from there on ids count pieces.
 #[derive(Debug)]
 pub struct Geometry<'a> {
-    mesh: &'a Mesh,
+    mesh: Cow<'a, Mesh>,
     /// One a vertex of the mesh; `None` where it is outside the clip volume or the guard band.
     corners: Vec<Option<Corner>>,
     /// Pieces, in drawing order.
@@ -43,7 +43,7 @@ struct Piece {
 
 impl<'a> Geometry<'a> {
     /// Runs the vertex stage on every vertex, and clips what needs it.
-    pub fn new(mesh: &'a Mesh, views: &[View], viewport: Viewport) -> Self {
+    pub fn new(mesh: Cow<'a, Mesh>, views: &[View], viewport: Viewport) -> Self {
         let screen = Screen::new(viewport);
         let clip_of = |v: &Vertex| clip_position(&views[v.frame as usize], v.position);
         let corners: Vec<Option<Corner>> = mesh
@@ -80,8 +80,8 @@ impl<'a> Geometry<'a> {
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> &'a Mesh {
-        self.mesh
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     /// Calls `add` with the ids of triangle `i` or of its pieces.

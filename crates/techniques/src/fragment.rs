@@ -18,6 +18,7 @@ use pipeline::wgsl::Part;
 use raster::Drawing;
 use raster::visibility::Visibility;
 use scene::{FaceId, Model};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The technique.
@@ -70,7 +71,7 @@ impl Prepared for Tessellation {
     }
 
     fn visibility<'a>(&'a self, drawing: Drawing<'a>) -> Box<dyn Visibility + 'a> {
-        Box::new(Triangles::new(&self.mesh, drawing))
+        Box::new(Triangles::new(Cow::Borrowed(&self.mesh), drawing))
     }
 
     /// The triangles keep their parameters, so that few bytes are new.

@@ -1,18 +1,21 @@
 //! Technique `grid`: the grid of each Bézier patch is evaluated in the vertex stage (Geiger 2015, Sec. 3.3; Concheiro et al. 2011's
 //! VST); each fragment evaluates the surface at the (u, v) that a triangle carries.
 //!
-//! `grids` chooses how fine each grid is, by a proven bound on its error in pixels; `joints` finds the borders and corners
-//! that patches share, and `corner` evaluates these alike for all of them, so that grids of different levels meet vertex on
-//! vertex. `gpu` draws grids of one size by one call. No vertex is stored on the device.
+//! `levels` chooses how fine each grid is in a picture, by a proven bound on its error in pixels; `joints` finds the borders and
+//! corners that patches share, and `corner` evaluates these alike for all of them, so that grids of different levels meet vertex
+//! on vertex. `tiles` cuts grids into what one draw call instances. `gpu` does all of that on the device, for each frame anew; no
+//! vertex is stored there.
 
 mod corner;
 mod gpu;
 mod grids;
 mod joints;
+mod levels;
 mod record;
+mod tiles;
 
 pub(crate) use gpu::CORNER;
-pub use grids::Grids;
+pub use grids::{Grids, Picture};
 
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
@@ -22,6 +25,7 @@ use pipeline::wgsl::Part;
 use raster::Drawing;
 use raster::visibility::Visibility;
 use scene::FaceId;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The technique.
@@ -53,7 +57,7 @@ impl Technique for Grid {
 
 impl Prepared for Grids {
     fn triangles(&self) -> usize {
-        self.triangles()
+        self.picture.mesh.triangles()
     }
 
     fn chord(&self) -> &[Vec<f64>] {
@@ -65,14 +69,16 @@ impl Prepared for Grids {
     }
 
     fn visibility<'a>(&'a self, drawing: Drawing<'a>) -> Box<dyn Visibility + 'a> {
-        Box::new(Triangles::new(&self.mesh, drawing))
+        // Other views of the scene, of samples of a pixel say, have levels of their own, as on the device.
+        let mesh = match self.is_of(drawing.views) {
+            true => Cow::Borrowed(&self.picture.mesh),
+            false => Cow::Owned(self.seen(drawing.scene, drawing.views).mesh),
+        };
+        Box::new(Triangles::new(mesh, drawing))
     }
 
-    /// The grids keep their parameters; on the device nothing of them is new.
+    /// Levels, borders that are shared and bounds are those of the new control points; what is uploaded is what they change.
     fn edited(&self, setting: &Setting, _face: FaceId) -> Result<Arc<dyn Prepared>, PrepareError> {
-        match Grids::edited(self, setting.model, setting.scene) {
-            Some(edited) => Ok(Arc::new(edited)),
-            None => Grid.prepare(setting),
-        }
+        Grid.prepare(setting)
     }
 }

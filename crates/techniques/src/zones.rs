@@ -18,6 +18,7 @@ use pipeline::wgsl::Part;
 use raster::Drawing;
 use raster::visibility::Visibility;
 use scene::FaceId;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The technique.
@@ -49,7 +50,7 @@ impl Technique for ByZones {
 
 impl Prepared for Zones {
     fn triangles(&self) -> usize {
-        self.grids.triangles()
+        self.mesh.triangles()
     }
 
     fn chord(&self) -> &[Vec<f64>] {
@@ -61,13 +62,10 @@ impl Prepared for Zones {
     }
 
     fn visibility<'a>(&'a self, drawing: Drawing<'a>) -> Box<dyn Visibility + 'a> {
-        Box::new(Triangles::new(&self.grids.mesh, drawing))
+        Box::new(Triangles::new(Cow::Borrowed(&self.mesh), drawing))
     }
 
     fn edited(&self, setting: &Setting, _face: FaceId) -> Result<Arc<dyn Prepared>, PrepareError> {
-        match self.grids.edited(setting.model, setting.scene) {
-            Some(grids) => Ok(Arc::new(Self::new(grids, setting.scene).in_steps_of(self.most))),
-            None => ByZones.prepare(setting),
-        }
+        ByZones.prepare(setting)
     }
 }

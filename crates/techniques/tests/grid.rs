@@ -1,7 +1,7 @@
 //! Technique `grid`: where its corners are, and that grids meet vertex on vertex.
 
 use glam::DVec3;
-use gpu::Drawable;
+use gpu::{Device, Drawable, Renderer, RendererOptions};
 use nurbs::{Direction, KnotVector, Surface};
 use pipeline::{PackedScene, Scheme};
 use raster::Drawing;
@@ -23,7 +23,7 @@ fn every_corner_is_on_its_face_at_its_own_parameters() {
     for name in ["teapot", "torus", "sphere", "surface", "rational", "spray"] {
         let model = formats::builtin(name).expect("built in");
         let (scene, grids) = grids(&model, 0.25);
-        for vertex in &grids.mesh.vertices {
+        for vertex in &grids.picture.mesh.vertices {
             let surface = model.surface(FaceId(vertex.face));
             let uv = scene.frames()[vertex.face as usize].uv(vertex.span, vertex.uv);
             let expected = surface.point(uv.x, uv.y);
@@ -41,8 +41,8 @@ fn no_triangle_is_farther_from_its_face_than_the_chord_says() {
         let model = formats::builtin(name).expect("built in");
         for error_px in [0.25, 2.0] {
             let (scene, grids) = grids(&model, error_px);
-            for corners in grids.mesh.indices.chunks_exact(3) {
-                let corners = [0, 1, 2].map(|k| grids.mesh.vertices[corners[k] as usize]);
+            for corners in grids.picture.mesh.indices.chunks_exact(3) {
+                let corners = [0, 1, 2].map(|k| grids.picture.mesh.vertices[corners[k] as usize]);
                 let (face, span) = (corners[0].face, corners[0].span);
                 let frame = &scene.frames()[face as usize];
                 let positions = corners.map(|v| scene.frames()[v.frame as usize].world(v.position));
@@ -136,7 +136,7 @@ fn odd_positions(model: &Model, technique: &dyn Technique, views: usize, levels:
             .prepare(&Setting { model, scene: &scene, camera: &camera, viewport, chord_px })
             .expect("prepared");
         if let Ok(grids) = (&*prepared as &dyn Drawable).of::<Grids>("grid") {
-            levels.extend(grids.records.iter().map(|record| record.level));
+            levels.extend(grids.picture.records.iter().map(|record| record.level));
         }
         let cameras_views = scene.views(model, &camera, viewport);
         let drawing =
@@ -179,24 +179,43 @@ fn borders_of_other_degrees_between_the_same_ends_are_not_taken_for_one() {
     let ends = [row(1.0, 0.0), row(2.0, 0.0)].map(|row| [row[0], row[3]]).concat();
     let flat = Surface::new(knots(1), knots(1), ends, None).expect("legal");
     let model = Model::of_surfaces("two degrees", vec![curved, flat]).expect("faces");
-    for vertex in &grids(&model, 0.25).1.mesh.vertices {
+    for vertex in &grids(&model, 0.25).1.picture.mesh.vertices {
         assert!(vertex.frame == vertex.face || vertex.uv.iter().all(|t| *t == 0.0 || *t == 1.0), "{vertex:?}");
     }
 }
 
-/// A weight that is a thousand times the others' cuts its patch into parts.
+/// A weight that is a thousand times the others' cuts its patch into parts: then there are more grids, and all are uploaded.
 #[test]
-fn an_edit_that_leaves_other_parts_is_prepared_anew() {
+fn an_edit_shows_on_the_device_what_the_edited_model_shows() {
+    let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
     let model = formats::builtin("rational").expect("built in");
     let surface = &model.surfaces()[0];
-    let mut weights = surface.weights().expect("rational").to_vec();
-    let middle = weights.len() / 2;
-    weights[middle] *= 1000.0;
+    let middle = surface.points().len() / 2;
     let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
-    let heavy = Surface::new(u, v, surface.points().to_vec(), Some(weights)).expect("as legal as before");
-    let edited = model.with_surface(0, heavy);
-    let (_, before) = grids(&model, 2.0);
-    let (after, expected) = grids(&edited, 2.0);
-    assert_eq!(before.edited(&edited, &after), None);
-    assert_eq!(expected.edited(&edited, &after).as_ref(), Some(&expected));
+    let edited = |weight: f64| {
+        let mut weights = surface.weights().expect("rational").to_vec();
+        weights[middle] *= weight;
+        let heavy = Surface::new(u.clone(), v.clone(), surface.points().to_vec(), Some(weights));
+        model.with_surface(0, heavy.expect("as legal as before"))
+    };
+    let viewport = Viewport::new(256, 256).expect("a legal size");
+    for (weight, most) in [(1.1, 6000), (1000.0, 4_000_000)] {
+        let model_after = edited(weight);
+        let camera = Camera::framing(&model_after, viewport);
+        let made = |model: &Model| {
+            let scene = PackedScene::new(model, Scheme::Specialised).expect("it packs");
+            let grids = Grids::new(model, &scene, &camera, viewport, 2.0).expect("few triangles");
+            let views = scene.views(model, &camera, viewport);
+            (scene, grids, views)
+        };
+        let (before, after) = (made(&model), made(&model_after));
+        let mut renderer = Renderer::new(&device, &before.0, &before.1, RendererOptions::default()).expect("it fits");
+        renderer.fragments(&before.2, viewport).expect("drawn");
+        let written = renderer.edit((&before.0, &before.1), (&after.0, &after.1)).expect("uploaded");
+        assert!(written > 0 && written < most, "{written} bytes for a weight of {weight}");
+        let mut fresh = Renderer::new(&device, &after.0, &after.1, RendererOptions::default()).expect("it fits");
+        let [shown, expected] =
+            [&mut renderer, &mut fresh].map(|renderer| renderer.fragments(&after.2, viewport).expect("drawn"));
+        assert!(shown == expected, "a weight of {weight}");
+    }
 }

@@ -45,7 +45,7 @@ impl PackedScene {
                         (1.0 / frame.scale) as f32,
                         viewport.width() as f32 * 0.5,
                         viewport.height() as f32 * 0.5,
-                        0.0,
+                        (unit / (camera.pixels_per_unit(viewport, 1.0) * frame.scale)) as f32,
                     ],
                 }
             })

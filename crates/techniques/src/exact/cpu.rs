@@ -15,6 +15,7 @@ use raster::geometry::Geometry;
 use raster::rect::{Rect, TILE};
 use raster::setup::Triangle;
 use raster::visibility::{Run, Samples, Seen, Visibility, of_pixel};
+use std::borrow::Cow;
 
 /// Hulls in the picture.
 pub struct Searches<'a> {
@@ -27,7 +28,7 @@ pub struct Searches<'a> {
 impl<'a> Searches<'a> {
     /// Runs the vertex stage on the corners of hulls, clips, and sorts them into tiles.
     pub fn new(hulls: &'a Hulls, drawing: Drawing<'a>) -> Self {
-        let geometry = Geometry::new(&hulls.mesh, drawing.views, drawing.viewport);
+        let geometry = Geometry::new(Cow::Borrowed(&hulls.mesh), drawing.views, drawing.viewport);
         let bins = Bins::of_tiles(&geometry, drawing.viewport);
         Self { drawing, pieces: &hulls.pieces, geometry, bins }
     }

@@ -5,16 +5,14 @@ mod picture;
 use self::picture::{Picture, Range, Shared, first_target};
 use super::hulls::{CORNERS, Hulls, INDICES};
 use bytemuck::{Pod, Zeroable};
-use gpu::{
-    DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets,
-    as_shader_error,
-};
+use gpu::groups::{READ, UNIFORM_AT, WRITE};
+use gpu::{DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets};
 use pipeline::Program;
 use pipeline::wgsl::Part;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use wgpu::{BufferBindingType, ShaderStages, TextureUsages};
+use wgpu::{ShaderStages, TextureUsages};
 
 /// The technique's name.
 pub(super) const NAME: &str = "exact";
@@ -85,18 +83,12 @@ impl Drawable for Hulls {
     fn pass(&self, device: &Device, scene: &SceneBuffers, depth: DepthOrder) -> Result<Box<dyn Pass>, GpuError> {
         let (pieces, hulls) = upload(device, self)?;
         let (layout, search_layout, resolve_layouts) = device.guarded("setting up", || {
-            let layout = group_layout(device, "pieces", shared_bindings());
-            let pipeline_layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
-                device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some("exact"),
-                    bind_group_layouts: groups,
-                    immediate_size: 0,
-                })
-            };
-            let search_layout = pipeline_layout(&[Some(&scene.layout), Some(&layout)]);
+            let layout = device.group_layout("pieces", ShaderStages::COMPUTE, shared_bindings());
+            let pipeline_layout = |groups: &[Option<&wgpu::BindGroupLayout>]| device.pipeline_layout("exact", groups);
+            let search_layout = pipeline_layout(&[Some(&scene.layouts.scene), Some(&layout)]);
             let resolve_layouts = [Output::GBuffer, Output::Shaded].map(|output| {
-                let targets = group_layout(device, "targets", target_bindings(output));
-                let pipeline = pipeline_layout(&[Some(&scene.layout), Some(&layout), Some(&targets)]);
+                let targets = device.group_layout("targets", ShaderStages::COMPUTE, target_bindings(output));
+                let pipeline = pipeline_layout(&[Some(&scene.layouts.scene), Some(&layout), Some(&targets)]);
                 (output, (targets, pipeline))
             });
             (layout, search_layout, HashMap::from(resolve_layouts))
@@ -139,24 +131,18 @@ impl Search {
             _ => &self.search_layout,
         };
         let farthest = f64::from(u8::from(self.depth == DepthOrder::Farthest));
-        let constants = &[("FARTHEST", farthest)];
-        let descriptor = wgpu::ComputePipelineDescriptor {
-            label: Some(kernel.entry()),
-            layout: Some(layout),
-            module,
-            entry_point: Some(kernel.entry()),
-            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
-            cache: None,
-        };
-        device
-            .guarded("compiling a pipeline", || device.wgpu.create_compute_pipeline(&descriptor))
-            .map_err(|error| as_shader_error(error, program, kernel.entry()))
+        device.kernel(layout, (program, module), kernel.entry(), &[("FARTHEST", farthest)])
     }
 }
 
 impl Pass for Search {
     fn usage(&self) -> TextureUsages {
         TextureUsages::STORAGE_BINDING
+    }
+
+    /// Pieces and hulls; what a picture keeps of meetings is the picture's.
+    fn bytes(&self) -> u64 {
+        self.shared.pieces.size() + self.shared.hulls.size()
     }
 
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
@@ -327,19 +313,10 @@ fn hull_records(hulls: &Hulls) -> Vec<HullRecord> {
     hulls.mesh.vertices.chunks_exact(CORNERS).map(record).collect()
 }
 
-fn group_layout(device: &Device, label: &str, bindings: Vec<(u32, wgpu::BindingType)>) -> wgpu::BindGroupLayout {
-    let entry =
-        |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None };
-    let entries: Vec<_> = bindings.into_iter().map(entry).collect();
-    device.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
-}
-
 /// Pieces, hulls, picture, meetings, and the batch at hand: with the scene's four they are the eight storage buffers
 /// that WebGPU promises a stage.
-fn shared_bindings() -> Vec<(u32, wgpu::BindingType)> {
-    let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-    let storage = |binding| (binding, buffer(BufferBindingType::Storage { read_only: binding == 0 }, false));
-    (0..4).map(storage).chain([(4, buffer(BufferBindingType::Uniform, true))]).collect()
+fn shared_bindings() -> impl Iterator<Item = (u32, wgpu::BindingType)> {
+    (0..).zip([READ, WRITE, WRITE, WRITE, UNIFORM_AT])
 }
 
 /// The targets of an output, by their bindings.

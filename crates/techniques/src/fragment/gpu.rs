@@ -51,6 +51,10 @@ impl Feed for MeshBuffers {
         })
     }
 
+    fn bytes(&self) -> u64 {
+        self.vertices.size() + self.indices.size()
+    }
+
     fn buffers() -> &'static [Option<wgpu::VertexBufferLayout<'static>>] {
         const { &[Some(VERTICES)] }
     }

@@ -1,24 +1,78 @@
-//! Technique `grid` on the device: records of grids, which the vertex stage evaluates.
+//! Technique `grid` on the device: kernels choose levels and place tiles for the view at hand, and indirect calls draw them.
+//!
+//! Neither the number of draw calls nor what is uploaded for a frame depends on how many patches there are.
 
-use super::grids::{Class, Grids};
+use super::grids::Grids;
+use super::record::GridRecord;
+use super::tiles::{SIDES, SIZES, indices};
 use crate::triangles::gpu::{Draw, Feed, PART};
-use gpu::{DepthOrder, Device, Drawable, GpuError, Pass, SceneBuffers};
+use bytemuck::{Pod, Zeroable};
+use gpu::groups::{READ, UNIFORM, UNIFORM_AT, WRITE, part, whole};
+use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, SceneLayouts};
 use pipeline::Program;
 use pipeline::wgsl::Part;
-use wgpu::{RenderPass, RenderPipeline, ShaderStages};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use wgpu::{BufferUsages, RenderPass, RenderPipeline, ShaderStages};
 
 /// The technique's name.
 pub(super) const NAME: &str = "grid";
 
-/// Entry point `vertex`, and those of the fragment stage.
-pub(super) const PARTS: &[Part] =
-    &[Part { file: "grid/entry.wgsl", text: include_str!("../../../../shaders/grid/entry.wgsl") }, CORNER, PART];
+/// Entry point `vertex`, the kernels, and the entry points of the fragment stage.
+pub(super) const PARTS: &[Part] = &[
+    Part { file: "grid/entry.wgsl", text: include_str!("../../../../shaders/grid/entry.wgsl") },
+    Part { file: "grid/tiles.wgsl", text: include_str!("../../../../shaders/grid/tiles.wgsl") },
+    Part { file: "grid/levels.wgsl", text: include_str!("../../../../shaders/grid/levels.wgsl") },
+    CORNER,
+    PART,
+];
 
 /// Where a corner of a grid is.
 pub const CORNER: Part = Part { file: "grid/corner.wgsl", text: include_str!("../../../../shaders/grid/corner.wgsl") };
 
-/// Vertices of a cell: two triangles.
-const CELL: u32 = 6;
+/// The kernels, in their order.
+const KERNELS: [&str; 7] =
+    ["choose", "count_tiles", "sum_blocks", "scan_blocks", "scan_counts", "fill_calls", "place_tiles"];
+
+/// Threads of a workgroup in `shaders/grid/levels.wgsl`.
+const WORKGROUP: u32 = 64;
+
+/// Counts that a workgroup of `shaders/grid/tiles.wgsl` adds up.
+const BLOCK: u32 = 256 * 4;
+
+/// Tiles that there is room for at least.
+const LEAST_CAPACITY: u64 = 1024;
+
+/// Distance of the draw calls' uniforms in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
+const CALL_STRIDE: usize = 256;
+
+/// `Asked` in `shaders/grid/levels.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct AskedUniform {
+    error_px: f32,
+    least: u32,
+    most: u32,
+    grids: u32,
+    capacity: u32,
+    draws: u32,
+    zero: u32,
+    padding: u32,
+}
+
+/// `DrawCall` in `shaders/grid/tiles.wgsl`: what an indirect call takes, and what the vertex stage and kernels do.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct DrawCall {
+    indices: u32,
+    instances: u32,
+    first_index: u32,
+    base_vertex: u32,
+    first_instance: u32,
+    start: u32,
+    first_grid: u32,
+    end_grid: u32,
+}
 
 impl Drawable for Grids {
     fn technique(&self) -> &'static str {
@@ -34,46 +88,195 @@ impl Drawable for Grids {
     }
 
     fn pass(&self, device: &Device, scene: &SceneBuffers, depth: DepthOrder) -> Result<Box<dyn Pass>, GpuError> {
-        Ok(Box::new(Draw::<Records>::new(device, scene, self, depth)?))
+        Ok(Box::new(Draw::<Generator>::new(device, scene, self, depth)?))
     }
 }
 
-/// The records on the device.
+/// What chooses levels, and what draws the tiles that they come to.
 #[derive(Clone)]
-struct Records {
-    records: wgpu::Buffer,
+struct Generator {
+    buffers: Buffers,
+    asked: AskedUniform,
+    /// The program of each draw call.
+    programs: Vec<Program>,
     layout: wgpu::BindGroupLayout,
-    group: wgpu::BindGroup,
-    classes: Vec<Class>,
+    drawn_layout: wgpu::BindGroupLayout,
+    room: Room,
+    /// Tiles that a picture has had, and has room for from then on.
+    wanted: Arc<AtomicU64>,
+    /// Made when first needed: a driver may take seconds to compile one.
+    kernels: Option<[wgpu::ComputePipeline; KERNELS.len()]>,
 }
 
-impl Feed for Records {
+/// What does not depend on how many tiles there are.
+#[derive(Clone)]
+struct Buffers {
+    grids: wgpu::Buffer,
+    measures: wgpu::Buffer,
+    marks: wgpu::Buffer,
+    counts: wgpu::Buffer,
+    calls: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    numbers: wgpu::Buffer,
+}
+
+/// Room for tiles, and the groups that hold it.
+#[derive(Clone)]
+struct Room {
+    capacity: u64,
+    tiles: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    drawn_group: wgpu::BindGroup,
+}
+
+/// The indices of all sizes, and of each the first and how many they are.
+fn all_indices() -> (Vec<u16>, [[u32; 2]; SIZES as usize]) {
+    let mut all: Vec<u16> = vec![];
+    let ranges = std::array::from_fn(|size| {
+        let first = all.len() as u32;
+        all.extend(indices([size as u32 / SIDES, size as u32 % SIDES]));
+        [first, all.len() as u32 - first]
+    });
+    (all, ranges)
+}
+
+impl Buffers {
+    fn new(device: &Device, grids: &Grids) -> Result<Self, GpuError> {
+        let count = grids.records.len() as u64;
+        let groups = count.div_ceil(u64::from(WORKGROUP));
+        let limit = u64::from(device.limits.max_compute_workgroups_per_dimension);
+        device.fits("the patches", "max_compute_workgroups_per_dimension", groups, limit)?;
+        let faces = grids.chord.len() as u64;
+        let counts = u64::from(SIZES) * count;
+        let (all, ranges) = all_indices();
+        let call = |size: usize, [first_grid, end_grid]: [u32; 2]| {
+            let [first_index, indices] = ranges[size];
+            DrawCall { indices, first_index, first_grid, end_grid, ..Zeroable::zeroed() }
+        };
+        let of_program = |(_, range): &(Program, std::ops::Range<usize>)| {
+            let ends = [range.start, range.end].map(|end| end as u32);
+            (0..SIZES as usize).map(move |size| call(size, ends))
+        };
+        let calls: Vec<DrawCall> = grids.programs.iter().flat_map(of_program).collect();
+        let mut numbers = vec![0u32; CALL_STRIDE / 4 * calls.len().max(1)];
+        for (number, uniform) in (0..).zip(numbers.chunks_exact_mut(CALL_STRIDE / 4)) {
+            uniform[..2].copy_from_slice(&[number, (1 << (number % SIDES)) + 1]);
+        }
+        let calls = bytemuck::cast_slice(&calls);
+        Ok(Self {
+            grids: device.storage("grids", bytemuck::cast_slice(&grids.records))?,
+            measures: device.storage("measures of grids", bytemuck::cast_slice(&grids.measures))?,
+            marks: device.empty("levels of borders", 4 * (4 * count + faces).max(1))?,
+            counts: device.empty("numbers of tiles", 4 * (counts + 1 + counts.div_ceil(u64::from(BLOCK))))?,
+            calls: device.buffer("draw calls", BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC, calls)?,
+            indices: device.buffer("corners of tiles", BufferUsages::INDEX, bytemuck::cast_slice(&all))?,
+            numbers: device.buffer("numbers of draw calls", BufferUsages::UNIFORM, bytemuck::cast_slice(&numbers))?,
+        })
+    }
+
+    /// Room for so many tiles.
+    fn room(
+        &self,
+        device: &Device,
+        layouts: [&wgpu::BindGroupLayout; 2],
+        asked: AskedUniform,
+        capacity: u64,
+    ) -> Result<Room, GpuError> {
+        let limit = u64::from(device.limits.max_compute_workgroups_per_dimension) * u64::from(WORKGROUP);
+        device.fits("the tiles", "max_compute_workgroups_per_dimension", capacity, limit)?;
+        let tiles = device.empty("tiles", 8 * capacity)?;
+        let asked = AskedUniform { capacity: capacity as u32, ..asked };
+        let asked = device.buffer("levels asked for", BufferUsages::UNIFORM, bytemuck::bytes_of(&asked))?;
+        let Self { grids, measures, marks, counts, calls, numbers, .. } = self;
+        let (group, drawn_group) = device.guarded("setting up", || {
+            let kernels = whole([grids, measures, marks, counts, calls, &tiles, &asked]);
+            let group = device.group("levels", layouts[0], kernels);
+            let number = part(numbers, CALL_STRIDE as u64);
+            let drawn = whole([grids, &tiles, calls]).chain([(3, number)]);
+            (group, device.group("tiles", layouts[1], drawn))
+        })?;
+        Ok(Room { capacity, tiles, group, drawn_group })
+    }
+}
+
+impl Feed for Generator {
     type Prepared = Grids;
 
     fn new(device: &Device, grids: &Grids) -> Result<Self, GpuError> {
-        let records = device.storage("grids", bytemuck::cast_slice(&grids.records))?;
-        let (layout, group) = device.guarded("setting up", || {
-            let layout = device.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("grids"),
-                entries: &[wgpu::BindGroupLayoutEntry {
-                    binding: 0,
-                    visibility: ShaderStages::VERTEX,
-                    ty: wgpu::BindingType::Buffer {
-                        ty: wgpu::BufferBindingType::Storage { read_only: true },
-                        has_dynamic_offset: false,
-                        min_binding_size: None,
-                    },
-                    count: None,
-                }],
-            });
-            let group = device.group("grids", &layout, [&records]);
-            (layout, group)
+        let buffers = Buffers::new(device, grids)?;
+        let asked = AskedUniform {
+            error_px: grids.asked.error_px,
+            least: grids.asked.levels[0],
+            most: grids.asked.levels[1],
+            grids: grids.records.len() as u32,
+            draws: SIZES * grids.programs.len() as u32,
+            ..Zeroable::zeroed()
+        };
+        let (layout, drawn_layout) = device.guarded("setting up", || {
+            let kernels = [WRITE, READ, WRITE, WRITE, WRITE, WRITE, UNIFORM];
+            let drawn = [READ, READ, READ, UNIFORM_AT];
+            (
+                device.group_layout("levels", ShaderStages::COMPUTE, (0..).zip(kernels)),
+                device.group_layout("tiles", ShaderStages::VERTEX, (0..).zip(drawn)),
+            )
         })?;
-        Ok(Self { records, layout, group, classes: grids.classes.clone() })
+        let tiles = grids.picture.tiles.len() as u64;
+        let capacity = (tiles + tiles / 2).max(LEAST_CAPACITY);
+        let room = buffers.room(device, [&layout, &drawn_layout], asked, capacity)?;
+        let programs = grids.programs.iter().map(|(program, _)| *program).collect();
+        let wanted = Arc::new(AtomicU64::new(capacity));
+        Ok(Self { buffers, asked, programs, layout, drawn_layout, room, wanted, kernels: None })
     }
 
     fn layouts(&self) -> Vec<Option<&wgpu::BindGroupLayout>> {
-        vec![Some(&self.layout)]
+        vec![Some(&self.drawn_layout)]
+    }
+
+    fn prepare(&mut self, device: &Device, scene: &SceneLayouts, modules: &Modules) -> Result<(), GpuError> {
+        // The kernels are the same in the module of each program.
+        let Some((program, module)) = modules.iter().min_by_key(|(program, _)| **program) else { return Ok(()) };
+        if self.kernels.is_none() {
+            let layout = device.guarded("setting up", || {
+                device.pipeline_layout("levels", &[Some(&scene.views), None, Some(&self.layout)])
+            })?;
+            let mut kernels = vec![];
+            for entry in KERNELS {
+                kernels.push(device.kernel(&layout, (*program, module), entry, &[])?);
+            }
+            self.kernels = kernels.try_into().ok();
+        }
+        Ok(())
+    }
+
+    fn bytes(&self) -> u64 {
+        let Buffers { grids, measures, marks, counts, calls, indices, numbers } = &self.buffers;
+        let all = [grids, measures, marks, counts, calls, indices, numbers, &self.room.tiles];
+        all.into_iter().map(wgpu::Buffer::size).sum()
+    }
+
+    fn frame(&self, device: &Device) -> Result<Self, GpuError> {
+        let wanted = self.wanted.load(Relaxed);
+        let mut frame = self.clone();
+        if wanted > self.room.capacity {
+            frame.room = self.buffers.room(device, [&self.layout, &self.drawn_layout], self.asked, wanted)?;
+        }
+        Ok(frame)
+    }
+
+    fn before(&self, encoder: &mut wgpu::CommandEncoder, scene: &SceneBuffers, _step: usize) {
+        let (Some(kernels), true) = (&self.kernels, self.asked.grids > 0) else { return };
+        encoder.clear_buffer(&self.buffers.marks, 0, None);
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_bind_group(0, &scene.views_group, &[]);
+        pass.set_bind_group(2, &self.room.group, &[]);
+        let grids = self.asked.grids.div_ceil(WORKGROUP);
+        let blocks = (SIZES * self.asked.grids).div_ceil(BLOCK);
+        let calls = self.asked.draws.div_ceil(WORKGROUP);
+        let tiles = (self.room.capacity as u32).div_ceil(WORKGROUP);
+        for (kernel, groups) in kernels.iter().zip([grids, grids, blocks, 1, blocks, calls, tiles]) {
+            pass.set_pipeline(kernel);
+            pass.dispatch_workgroups(groups, 1, 1);
+        }
     }
 
     fn draw<'p>(
@@ -82,17 +285,158 @@ impl Feed for Records {
         pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>,
         _step: usize,
     ) {
-        pass.set_bind_group(1, &self.group, &[]);
-        for Class { program, cells: [rows, columns], grids } in &self.classes {
-            if let Some(pipeline) = pipeline(*program) {
-                pass.set_pipeline(pipeline);
-                pass.draw(0..CELL * rows * columns, grids.clone());
+        pass.set_index_buffer(self.buffers.indices.slice(..), wgpu::IndexFormat::Uint16);
+        for (index, program) in self.programs.iter().enumerate() {
+            let Some(pipeline) = pipeline(*program) else { continue };
+            pass.set_pipeline(pipeline);
+            for call in SIZES as usize * index..SIZES as usize * (index + 1) {
+                pass.set_bind_group(1, &self.room.drawn_group, &[(call * CALL_STRIDE) as u32]);
+                pass.draw_indexed_indirect(&self.buffers.calls, (call * size_of::<DrawCall>()) as u64);
             }
         }
     }
 
+    fn had_room(&self, device: &Device) -> Result<bool, GpuError> {
+        let mut tiles = 0u32;
+        let last = u64::from(SIZES * self.asked.grids);
+        if last > 0 {
+            device.read_buffer("counting tiles", &self.buffers.counts, 4 * last, bytemuck::bytes_of_mut(&mut tiles))?;
+        }
+        let tiles = u64::from(tiles);
+        if tiles <= self.room.capacity {
+            return Ok(true);
+        }
+        self.wanted.store(tiles + tiles / 2, Relaxed);
+        Ok(false)
+    }
+
+    /// All of them where there are not as many.
     fn write_changes(&mut self, device: &Device, before: &Grids, after: &Grids) -> Result<u64, GpuError> {
-        let [old, new] = [before, after].map(|grids| bytemuck::cast_slice(&grids.records));
-        device.write_changes("grids", &self.records, old, new)
+        if before.programs != after.programs {
+            let kernels = self.kernels.take();
+            *self = Self { kernels, ..Self::new(device, after)? };
+            return Ok((size_of_val(&after.records[..]) + size_of_val(&after.measures[..])) as u64);
+        }
+        let [old, new] = [before, after].map(|grids| bytemuck::cast_slice::<GridRecord, u8>(&grids.records));
+        let records = device.write_changes("grids", &self.buffers.grids, old, new)?;
+        let [old, new] = [before, after].map(|grids| bytemuck::cast_slice(&grids.measures));
+        Ok(records + device.write_changes("measures of grids", &self.buffers.measures, old, new)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use naga::{Expression, Literal, TypeInner};
+    use pipeline::wgsl::{Variant, source};
+    use pipeline::{PackedScene, Scheme, TrimMethod, View};
+    use scene::{Camera, Projection, Viewport};
+
+    #[test]
+    fn records_and_constants_are_those_of_the_shader() {
+        let variant = Variant {
+            parts: PARTS,
+            program: Program::Degree(3),
+            curvature: false,
+            interpolated_normal: false,
+            trims: TrimMethod::Whole,
+        };
+        let module = naga::front::wgsl::parse_str(&source(variant)).unwrap();
+        let size = |name: &str| {
+            let (_, found) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap();
+            let TypeInner::Struct { span, .. } = found.inner else { panic!("{name} is no struct") };
+            span as usize
+        };
+        assert_eq!(size("Asked"), size_of::<AskedUniform>());
+        assert_eq!(size("DrawCall"), size_of::<DrawCall>());
+        assert_eq!(size("GridRecord"), size_of::<GridRecord>());
+        assert_eq!(size("Measure"), size_of::<super::super::record::Measure>());
+        assert_eq!(size("Tile"), 8);
+        let constant = |name: &str| {
+            let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
+            module.global_expressions[constant.init].clone()
+        };
+        use super::super::levels::{GREATEST_LEVEL, NEAREST_SHARE, ROUNDING, SKIRT_PX, WIDE};
+        use super::super::record::OUT;
+        use super::super::tiles::GREATEST_SIDE;
+        for (name, value) in [
+            ("WORKGROUP", WORKGROUP),
+            ("GREATEST_LEVEL", GREATEST_LEVEL),
+            ("GREATEST_SIDE", GREATEST_SIDE),
+            ("OUT", OUT),
+            ("SCANNERS", BLOCK / 4),
+            ("EACH", 4),
+        ] {
+            assert_eq!(constant(name), Expression::Literal(Literal::U32(value)), "{name}");
+        }
+        for (name, value) in
+            [("WIDE", WIDE), ("ROUNDING", ROUNDING), ("NEAREST_SHARE", NEAREST_SHARE), ("SKIRT_PX", SKIRT_PX)]
+        {
+            assert_eq!(constant(name), Expression::Literal(Literal::F32(value)), "{name}");
+        }
+    }
+
+    /// Levels, tiles and calls of the device are those of the twin, to the bit, whatever the view.
+    #[test]
+    fn the_device_chooses_the_same_levels_and_tiles() {
+        let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
+        let viewport = Viewport::new(96, 72).unwrap();
+        for name in ["teapot", "rational", "islands", "spray", "pieces"] {
+            let model = formats::builtin(name).unwrap();
+            let scene = PackedScene::new(&model, Scheme::Specialised).unwrap();
+            let framed = Camera::framing(&model, viewport);
+            let near = model.hull().center() + (framed.eye() - model.hull().center()) * 0.3;
+            let inside = Camera::look_at(near, model.hull().max, DVec3::Z, Projection::Perspective { fov_deg: 60.0 });
+            let flat = Camera::look_at(near, model.hull().center(), DVec3::X, Projection::Orthographic { height: 1.0 });
+            let grids = Grids::new(&model, &scene, &framed, viewport, 0.3).unwrap();
+            for camera in [framed, inside.unwrap(), flat.unwrap()] {
+                let views = scene.views(&model, &camera, viewport);
+                let expected = grids.seen(&scene, &views);
+                let (records, tiles, calls) = placed(&device, &scene, &grids, &views);
+                assert!(records == expected.records, "{name}");
+                assert!(expected.tiles.iter().all(|tile| tile.grid < grids.records.len() as u32));
+                let mut drawn = vec![];
+                for call in calls {
+                    drawn.extend_from_slice(&tiles[call.start as usize..(call.start + call.instances) as usize]);
+                }
+                let expected: Vec<_> = expected.tiles.iter().map(|t| [t.grid, t.at[0] << 16 | t.at[1]]).collect();
+                assert!(drawn == expected, "{name}: {} tiles, not {}", drawn.len(), expected.len());
+            }
+        }
+    }
+
+    /// What the kernels write, once they have room.
+    fn placed(
+        device: &Device,
+        scene: &PackedScene,
+        grids: &Grids,
+        views: &[View],
+    ) -> (Vec<GridRecord>, Vec<[u32; 2]>, Vec<DrawCall>) {
+        let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, Default::default()).unwrap();
+        buffers.write_views(device, views).unwrap();
+        let mut generator = Generator::new(device, grids).unwrap();
+        let program = scene.programs()[0];
+        let trims = scene.trim_method();
+        let variant = Variant { parts: PARTS, program, curvature: false, interpolated_normal: false, trims };
+        let modules = Modules::from([(program, device.module(program, source(variant)).unwrap())]);
+        generator.prepare(device, &buffers.layouts, &modules).unwrap();
+        loop {
+            generator = generator.frame(device).unwrap();
+            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
+            generator.before(&mut encoder, &buffers, 0);
+            device.submit("choosing", encoder).unwrap();
+            if generator.had_room(device).unwrap() {
+                break;
+            }
+        }
+        let mut records: Vec<GridRecord> = vec![Zeroable::zeroed(); grids.records.len()];
+        let mut calls: Vec<DrawCall> = vec![Zeroable::zeroed(); generator.asked.draws as usize];
+        let mut tiles = vec![[0u32; 2]; generator.room.capacity as usize];
+        let read = |buffer: &wgpu::Buffer, out: &mut [u8]| device.read_buffer("reading", buffer, 0, out).unwrap();
+        read(&generator.buffers.grids, bytemuck::cast_slice_mut(&mut records));
+        read(&generator.buffers.calls, bytemuck::cast_slice_mut(&mut calls));
+        read(&generator.room.tiles, bytemuck::cast_slice_mut(&mut tiles));
+        (records, tiles, calls)
     }
 }

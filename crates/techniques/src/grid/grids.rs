@@ -1,47 +1,53 @@
-//! The grids of all patches: how fine each is, and the triangles that they come to.
+//! The grids of all patches: what each depends on, and the triangles that they come to in a picture.
 
 use super::corner::corner;
 use super::joints::{FaceParts, Joints, Part};
-use super::record::{GridRecord, LOW_U};
+use super::levels::{Asked, Chosen, GREATEST_LEVEL, settled};
+use super::record::{GridRecord, Measure};
+use super::tiles::{Run, Tile, in_drawing_order};
 use crate::error::PrepareError;
 use crate::triangles::bounds::{part_counts, parts_of};
-use crate::triangles::frustum::pixels;
 use crate::triangles::patches::spans_of;
-use crate::triangles::{REFINED_TRIANGLES, SKIRT_PX, cell};
-use nurbs::{BezierPatch, DerivativeBounds, Surface};
-use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Program, RATIONAL, Vertex};
+use crate::triangles::{REFINED_TRIANGLES, cell};
+use nurbs::{BezierPatch, DerivativeBounds, Hull, Surface};
+use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Program, RATIONAL, Vertex, View};
 use rayon::prelude::*;
 use scene::{Camera, FaceId, Model, Viewport};
 use std::ops::Range;
 
-/// log₂ of the cells of a patch in one direction at most.
-const GREATEST_LEVEL: u32 = 11;
-
-/// Grids of one program with as many cells, which one draw call instances.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Class {
-    /// The program.
-    pub program: Program,
-    /// Cells of each along u and along v.
-    pub cells: [u32; 2],
-    /// Its grids.
-    pub grids: Range<u32>,
-}
-
-/// Grids over all patches of a scene; none by default.
+/// Grids over all patches of a scene, as a picture has them; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Grids {
-    /// In drawing order.
+    /// What of them no view changes, grouped by programs.
     pub records: Vec<GridRecord>,
-    /// The same, class by class.
-    pub classes: Vec<Class>,
-    /// The triangles, as the vertex stage makes them.
-    pub mesh: Mesh,
+    /// What their levels depend on.
+    pub measures: Vec<Measure>,
+    /// The programs, and the grids of each.
+    pub programs: Vec<(Program, Range<usize>)>,
+    /// What levels are asked for.
+    pub asked: Asked,
+    /// Error in pixels to which it was built: more than was asked for where that would take too many triangles.
+    pub built_px: f64,
+    /// How the picture sees each face.
+    views: Vec<View>,
+    /// The picture.
+    pub picture: Picture,
     /// For each face and each of its Bézier pieces the greatest distance in model units from a point of a flat triangle to S at
     /// its parameters.
     pub chord: Vec<Vec<f64>>,
-    /// Error in pixels to which it was built: more than was asked for where that would take too many triangles.
-    pub built_px: f64,
+}
+
+/// The grids of one picture; none by default.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Picture {
+    /// With levels.
+    pub records: Vec<GridRecord>,
+    /// In drawing order.
+    pub tiles: Vec<Tile>,
+    /// Those of each draw call that draws any.
+    pub runs: Vec<Run>,
+    /// The triangles as the vertex stage makes them.
+    pub mesh: Mesh,
 }
 
 /// A part of a surface, and what its grid depends on.
@@ -50,8 +56,8 @@ struct Measured {
     /// Number of its patch among the surface's, row-major in u.
     patch: usize,
     bounds: DerivativeBounds,
-    /// What a pixel measures where it is nearest, model units; infinite out of the picture.
-    pixel: f64,
+    /// A box that holds it.
+    hull: Hull,
 }
 
 /// The parts of a surface: of each span in u and each in v its rows and columns.
@@ -62,35 +68,46 @@ struct SurfaceParts {
 }
 
 impl Measured {
-    /// The chord of its grid of these levels.
-    fn chord(&self, level: [u32; 2]) -> f64 {
-        let [width, height] =
-            [0, 1].map(|k| (self.part.patch.domain[k][1] - self.part.patch.domain[k][0]) / f64::from(1u32 << level[k]));
-        self.bounds.chord(width, height)
+    /// How long its parameters run.
+    fn size(&self) -> [f64; 2] {
+        self.part.patch.domain.map(|[start, end]| end - start)
     }
 
-    /// The least levels, the direction that gains more first, so that the chord bound of every cell is at most `error_px`.
-    fn level(&self, error_px: f64) -> [u32; 2] {
-        let mut level = [0, 0];
-        while self.chord(level) > error_px * self.pixel {
-            let finer = [[level[0] + 1, level[1]], [level[0], level[1] + 1]];
-            let chord = |level: [u32; 2]| {
-                let is_legal = level.iter().all(|&level| level <= GREATEST_LEVEL);
-                if is_legal { self.chord(level) } else { f64::INFINITY }
-            };
-            let chords = finer.map(chord);
-            let best = usize::from(chords[1] < chords[0]);
-            if chords[best] == f64::INFINITY {
-                break;
-            }
-            level = finer[best];
+    /// The chord of its grid of these levels.
+    fn chord(&self, level: [u32; 2]) -> f64 {
+        let [width, height] = self.size();
+        self.bounds.chord(width / f64::from(1u32 << level[0]), height / f64::from(1u32 << level[1]))
+    }
+
+    /// What its levels depend on, as a part of a face with this number of the scene.
+    fn measure(&self, model: &Model, scene: &PackedScene, id: FaceId, groups: [usize; 4]) -> Measure {
+        let frame = &scene.frames()[id.0 as usize];
+        let [low, high] = [self.hull.min, self.hull.max].map(|p| (p - frame.origin) / frame.scale);
+        let center = ((low + high) * 0.5).as_vec3();
+        let exact = center.as_dvec3();
+        let half = (high - exact).max(exact - low).to_array().map(outward);
+        let [width, height] = self.size();
+        let DerivativeBounds { uu, uv, vv, .. } = self.bounds;
+        let bend = [uu * width * width, 2.0 * uv * width * height, vv * height * height];
+        Measure {
+            center: center.to_array(),
+            diagonal: ((high - low).length()) as f32,
+            half,
+            skirts: skirts(model, scene, id, &self.part),
+            bend: bend.map(|x| outward(x / (8.0 * frame.scale))),
+            padding: 0,
+            groups: groups.map(|group| group as u32),
         }
-        level
     }
 }
 
+/// The least f32 that is not less, or the one after it.
+fn outward(x: f64) -> f32 {
+    (x * (1.0 + f64::from(f32::EPSILON))) as f32
+}
+
 impl SurfaceParts {
-    fn new(surface: &Surface, pixel: impl Fn(&BezierPatch) -> f64) -> Self {
+    fn new(surface: &Surface) -> Self {
         let patches = surface.bezier_patches();
         let counts = part_counts(&patches);
         let columns = counts[1].len();
@@ -101,9 +118,9 @@ impl SurfaceParts {
                 let at = [index / count[1], index % count[1]];
                 let size = count.map(|count| 1.0 / count as f32);
                 let from = [0, 1].map(|k| at[k] as f32 * size[k]);
-                let (bounds, pixel) = (part.derivative_bounds(), pixel(&part));
+                let (bounds, hull) = (part.derivative_bounds(), part.close_hull());
                 let part = Part { span: span.map(|k| k as u32), from, size, patch: part };
-                Measured { part, patch, bounds, pixel }
+                Measured { part, patch, bounds, hull }
             };
             parts_of(whole, count).into_iter().enumerate().map(measured).collect()
         };
@@ -129,9 +146,8 @@ impl Grids {
     /// Grids whose flat triangles stay within `error_px` pixels of the surface as `camera` sees it.
     ///
     /// The bound on a cell is that of Filip, Magedson & Markot (1986; Geiger 2015, Eqs. 20–23), from second derivatives bounded over
-    /// the patch, seen at the nearest depth of the patch's box. A border has as many parts as that patch beside it needs that
-    /// needs more; then each patch has at least as many cells as its borders have parts. No cell at a border is longer than
-    /// the patch itself needs, so the bound holds there, too.
+    /// the patch, seen at the nearest depth of the patch's box. No cell at a border is longer than the patch beside it needs
+    /// ([`settled`]), so the bound holds there, too.
     ///
     /// # Errors
     /// [`PrepareError`].
@@ -145,109 +161,90 @@ impl Grids {
         if error_px <= 0.0 || !error_px.is_finite() {
             return Err(PrepareError::Chord { chord_px: error_px });
         }
-        let pixel = pixels(camera, viewport);
-        let surfaces: Vec<SurfaceParts> =
-            model.surfaces().par_iter().map(|surface| SurfaceParts::new(surface, &pixel)).collect();
+        let surfaces: Vec<SurfaceParts> = model.surfaces().par_iter().map(SurfaceParts::new).collect();
         let faces = faces(model, scene, &surfaces);
         let joints =
-            Joints::new(&faces.iter().map(|face| face.parts(model)).collect::<Vec<_>>(), model.hull().diagonal());
-        let mut built_px = error_px;
-        let (levels, borders) = loop {
-            let (levels, borders) = levels(&faces, &joints, built_px);
-            let cells = |level: &[u32; 2]| f64::from(1u32 << level[0]) * f64::from(1u32 << level[1]);
-            let triangles = 2.0 * levels.iter().flatten().map(cells).sum::<f64>();
-            let least = 2.0 * faces.iter().map(|face| face.measured.len() as f64).sum::<f64>();
-            if triangles <= (REFINED_TRIANGLES as f64).max(2.0 * least) {
-                break (levels, borders);
-            }
-            built_px *= 2.0;
-        };
-        let mut records = vec![];
-        for (face, of_face) in faces.iter().enumerate() {
-            let width = model.region(of_face.id).map_or(0.0, |_| {
-                let pixels = of_face.measured.iter().map(|part| part.pixel).filter(|pixel| pixel.is_finite());
-                (built_px + SKIRT_PX) * pixels.fold(0.0, f64::max)
-            });
-            for (number, Measured { part, .. }) in of_face.measured.iter().enumerate() {
-                let level = levels[face][number];
-                let mut record = GridRecord {
-                    face: of_face.id.0,
-                    sides: sides(model, scene, of_face.id, part, level),
-                    span: part.span,
-                    level,
-                    from: part.from,
-                    size: part.size,
-                    skirt: (width / scene.frames()[face].scale) as f32,
-                    padding: 0,
-                    borders: joints.borders[face][number],
-                    corners: joints.corners[face][number],
-                };
-                for (side, border) in record.borders.iter_mut().enumerate() {
-                    border.level = borders[joints.groups[face][number][side]];
-                }
-                records.push((record, of_face.measured[number]));
-            }
-        }
-        let chord = chords(scene, &records);
-        let mut records: Vec<GridRecord> = records.into_iter().map(|(record, _)| record).collect();
-        records.sort_by_key(|record| {
-            let place = record.from.map(f32::to_bits);
-            (scene.programs()[record.face as usize], record.cells(), record.sides, record.face, record.span, place)
-        });
-        let mut grids = Self { classes: classes(scene, &records), records, mesh: Mesh::default(), chord, built_px };
-        if grids.triangles() > GREATEST_TRIANGLES {
+            Joints::new(&faces.iter().map(|face| face.parts(model, scene)).collect::<Vec<_>>(), model.hull().diagonal());
+        let mut placed: Vec<Placed> =
+            faces.par_iter().enumerate().flat_map_iter(|(index, face)| face.placed(model, scene, &joints, index)).collect();
+        // Within a program in the order of faces.
+        placed.sort_by_key(|placed| scene.programs()[placed.record.face as usize]);
+        let records: Vec<GridRecord> = placed.iter().map(|placed| placed.record).collect();
+        let measures = placed.iter().map(|placed| placed.measure).collect();
+        let programs = programs(scene, &records);
+        let asked = Asked { error_px: error_px as f32, levels: [0, GREATEST_LEVEL] };
+        let views = scene.views(model, camera, viewport);
+        let mut grids = Self { records, measures, programs, asked, built_px: error_px, views, ..Self::default() };
+        let least = 4 * grids.records.len();
+        if least > GREATEST_TRIANGLES {
             return Err(PrepareError::TooManyTriangles { chord_px: error_px });
         }
-        grids.mesh = grids.made(scene);
+        let chosen = loop {
+            let (records, chosen) = grids.settled(&grids.views);
+            let cells = records.iter().map(|record| record.cells().map(|n| n as usize).iter().product::<usize>());
+            if 2 * cells.sum::<usize>() <= REFINED_TRIANGLES.max(least) {
+                break chosen;
+            }
+            grids.built_px *= 2.0;
+            grids.asked.error_px = grids.built_px as f32;
+        };
+        grids.picture = grids.seen(scene, &grids.views);
+        grids.chord = chords(scene, &placed, &chosen);
         Ok(grids)
     }
 
-    /// The same grids over a scene whose control points have moved; `None` where the edit leaves other parts than there were.
-    /// Chords are those of the new surfaces.
-    pub fn edited(&self, model: &Model, scene: &PackedScene) -> Option<Self> {
-        let surfaces: Vec<SurfaceParts> =
-            model.surfaces().par_iter().map(|surface| SurfaceParts::new(surface, |_| f64::INFINITY)).collect();
-        let faces = faces(model, scene, &surfaces);
-        let measured = |record: &GridRecord| {
-            let is_own = |part: &&&Measured| part.part.span == record.span && part.part.from == record.from;
-            faces.get(record.face as usize)?.measured.iter().find(is_own).map(|part| (*record, *part))
-        };
-        let records: Vec<_> = self.records.iter().map(measured).collect::<Option<_>>()?;
-        if records.len() != faces.iter().map(|face| face.measured.len()).sum::<usize>() {
-            return None;
+    /// The grids as another picture has them, whose views of the same scene these are.
+    pub fn seen(&self, scene: &PackedScene, views: &[View]) -> Picture {
+        let records = self.settled(views).0;
+        let (tiles, runs) = in_drawing_order(&records, &self.programs);
+        let mesh = mesh(scene, &records, &tiles, &runs);
+        Picture { records, tiles, runs, mesh }
+    }
+
+    /// Whether the picture is that of these views.
+    pub fn is_of(&self, views: &[View]) -> bool {
+        self.views == views
+    }
+
+    fn settled(&self, views: &[View]) -> (Vec<GridRecord>, Vec<Chosen>) {
+        settled(&self.records, &self.measures, views, &self.asked)
+    }
+}
+
+/// The triangles of tiles as the vertex stage makes them; the corners of each grid stand together, row by row.
+fn mesh(scene: &PackedScene, records: &[GridRecord], tiles: &[Tile], runs: &[Run]) -> Mesh {
+    let corners = |record: &GridRecord| -> Vec<Vertex> {
+        let [rows, columns] = record.cells();
+        if rows == 0 {
+            return vec![];
         }
-        let chord = chords(scene, &records);
-        Some(Self { mesh: self.made(scene), chord, ..self.clone() })
+        (0..=rows).flat_map(|i| (0..=columns).map(move |j| corner(scene, record, i, j))).collect()
+    };
+    let of_records: Vec<Vec<Vertex>> = records.par_iter().map(corners).collect();
+    let mut firsts = Vec::with_capacity(records.len());
+    let mut mesh = Mesh::with_capacity(of_records.iter().map(Vec::len).sum(), 0);
+    for vertices in &of_records {
+        firsts.push(mesh.vertices.len() as u32);
+        mesh.vertices.extend_from_slice(vertices);
     }
-
-    /// Number of triangles.
-    pub fn triangles(&self) -> usize {
-        let of_class =
-            |class: &Class| class.grids.len() * 2 * class.cells.iter().map(|&n| n as usize).product::<usize>();
-        self.classes.iter().map(of_class).sum()
-    }
-
-    /// The triangles as the vertex stage makes them.
-    fn made(&self, scene: &PackedScene) -> Mesh {
-        let corners = |record: &GridRecord| -> Vec<Vertex> {
-            let [rows, columns] = record.cells();
-            (0..=rows).flat_map(|i| (0..=columns).map(move |j| corner(scene, record, i, j))).collect()
-        };
-        let of_records: Vec<Vec<Vertex>> = self.records.par_iter().map(corners).collect();
-        let mut mesh = Mesh::with_capacity(of_records.iter().map(Vec::len).sum(), self.triangles());
-        for (record, vertices) in self.records.iter().zip(&of_records) {
-            let (base, first) = (mesh.vertices.len() as u32, mesh.indices.len() as u32);
-            let [rows, columns] = record.cells();
-            mesh.vertices.extend_from_slice(vertices);
-            for i in 0..rows {
-                for j in 0..columns {
-                    mesh.indices.extend(cell(base + i * (columns + 1) + j, columns + 1));
-                }
+    for Run { program, size, tiles: range } in runs {
+        let first = mesh.indices.len() as u32;
+        for Tile { grid, at: [row, column] } in &tiles[range.clone()] {
+            let across = records[*grid as usize].cells()[1] + 1;
+            for (i, j) in (0..1 << size[0]).flat_map(|i| (0..1 << size[1]).map(move |j| (i, j))) {
+                mesh.indices.extend(cell(firsts[*grid as usize] + (row + i) * across + column + j, across));
             }
-            mesh.batch(scene.programs()[record.face as usize], first);
         }
-        mesh
+        mesh.batch(*program, first);
     }
+    mesh
+}
+
+/// A part of a face with its records.
+struct Placed<'s> {
+    record: GridRecord,
+    measure: Measure,
+    measured: &'s Measured,
 }
 
 /// The parts that a face comes to.
@@ -257,10 +254,32 @@ struct Face<'s> {
     columns: usize,
 }
 
-impl Face<'_> {
-    fn parts(&self, model: &Model) -> FaceParts {
+impl<'s> Face<'s> {
+    fn parts(&self, model: &Model, scene: &PackedScene) -> FaceParts {
         let parts = self.measured.iter().map(|measured| measured.part.clone()).collect();
-        FaceParts { parts, columns: self.columns, is_bounded: model.region(self.id).is_some() }
+        let program = scene.programs()[self.id.0 as usize];
+        FaceParts { parts, columns: self.columns, is_bounded: model.region(self.id).is_some(), program }
+    }
+
+    /// Its parts with their records; it is number `index` of those whose joints these are.
+    fn placed(&self, model: &Model, scene: &PackedScene, joints: &Joints, index: usize) -> Vec<Placed<'s>> {
+        let place = |(number, measured): (usize, &&'s Measured)| Placed {
+            record: GridRecord {
+                face: self.id.0,
+                sides: 0,
+                span: measured.part.span,
+                level: [0, 0],
+                from: measured.part.from,
+                size: measured.part.size,
+                skirt: 0.0,
+                padding: 0,
+                borders: joints.borders[index][number],
+                corners: joints.corners[index][number],
+            },
+            measure: measured.measure(model, scene, self.id, joints.groups[index][number]),
+            measured,
+        };
+        self.measured.iter().enumerate().map(place).collect()
     }
 }
 
@@ -274,61 +293,41 @@ fn faces<'s>(model: &Model, scene: &PackedScene, surfaces: &'s [SurfaceParts]) -
     model.faces().iter().enumerate().map(of_face).collect()
 }
 
-/// The levels of all parts of all faces, and of all groups of borders.
-fn levels(faces: &[Face], joints: &Joints, error_px: f64) -> (Vec<Vec<[u32; 2]>>, Vec<u32>) {
-    let mut levels: Vec<Vec<[u32; 2]>> =
-        faces.par_iter().map(|face| face.measured.iter().map(|part| part.level(error_px)).collect()).collect();
-    let mut borders = vec![0; joints.count];
-    let each = |levels: &[Vec<[u32; 2]>]| -> Vec<([usize; 4], [u32; 2])> {
-        joints.groups.iter().flatten().copied().zip(levels.iter().flatten().copied()).collect()
-    };
-    for (groups, [u, v]) in each(&levels) {
-        // Along u = 0 and u = 1 runs v.
-        for (group, level) in groups.into_iter().zip([v, v, u, u]) {
-            borders[group] = level.max(borders[group]);
-        }
-    }
-    for (groups, levels) in joints.groups.iter().flatten().zip(levels.iter_mut().flatten()) {
-        let [low_u, high_u, low_v, high_v] = groups.map(|group| borders[group]);
-        *levels = [levels[0].max(low_v).max(high_v), levels[1].max(low_u).max(high_u)];
-    }
-    (levels, borders)
-}
-
-/// On which sides of a bounded face a part has a skirt: outer ones into whose cells the region comes.
-fn sides(model: &Model, scene: &PackedScene, id: FaceId, part: &Part, level: [u32; 2]) -> u32 {
+/// [`Measure::skirts`] of a part of a bounded face: outer sides into whose cells the region comes.
+fn skirts(model: &Model, scene: &PackedScene, id: FaceId, part: &Part) -> u32 {
     let Some(region) = model.region(id) else { return 0 };
     let (hull, breaks) = (region.hull(), &scene.frames()[id.0 as usize].breaks);
-    let of = |k: usize| {
+    let of = |side: usize| {
+        let k = side / 2;
         let [start, end] = part.patch.domain[k];
-        let cell = (end - start) / f64::from(1u32 << level[k]);
         let is_first = part.span[k] == 0 && part.from[k] == 0.0;
         let is_last = part.span[k] as usize + 2 == breaks[k].len() && part.from[k] + part.size[k] == 1.0;
-        let is_low = is_first && hull.min[k] <= start + cell;
-        let is_high = is_last && hull.max[k] >= end - cell;
-        (u32::from(is_low) | u32::from(is_high) << 1) * (LOW_U << (2 * k))
+        // How far from the side the region stays.
+        let (is_outer, away) = if side % 2 == 0 { (is_first, hull.min[k] - start) } else { (is_last, end - hull.max[k]) };
+        let reaches = |level: &u32| is_outer && away <= (end - start) / f64::from(1u32 << level);
+        (0..=GREATEST_LEVEL).take_while(reaches).count() as u32
     };
-    of(0) | of(1)
+    (0..4).fold(0, |skirts, side| skirts | of(side) << (8 * side))
 }
 
-/// Runs of records that one draw call instances.
-fn classes(scene: &PackedScene, records: &[GridRecord]) -> Vec<Class> {
-    let key = |record: &GridRecord| (scene.programs()[record.face as usize], record.cells(), record.sides);
+/// Runs of grids of one program.
+fn programs(scene: &PackedScene, records: &[GridRecord]) -> Vec<(Program, Range<usize>)> {
+    let program = |record: &GridRecord| scene.programs()[record.face as usize];
     let mut first = 0;
-    let class = |run: &[GridRecord]| {
-        let grids = first..first + run.len() as u32;
+    let of_run = |run: &[GridRecord]| {
+        let grids = first..first + run.len();
         first = grids.end;
-        Class { program: key(&run[0]).0, cells: run[0].cells(), grids }
+        (program(&run[0]), grids)
     };
-    records.chunk_by(|a, b| key(a) == key(b)).map(class).collect()
+    records.chunk_by(|a, b| program(a) == program(b)).map(of_run).collect()
 }
 
 /// The chord of each Bézier piece of each face; 0 where the face does not come to.
 ///
-/// A cell at a border is as long as a part of the border. To the bound on cells it adds what f32 makes of corners: of the basis
+/// It is that of the levels which each patch asks for alone, seen or not: borders make cells shorter. To the bound on cells it adds what f32 makes of corners: of the basis
 /// functions, which are sums of products of what is not negative, 10 roundings a degree; of the sums over control points, which
 /// are at most 1, one a term; and as much for the weights' sum. What lies on a shared border is evaluated in another face's units.
-fn chords(scene: &PackedScene, records: &[(GridRecord, &Measured)]) -> Vec<Vec<f64>> {
+fn chords(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> Vec<Vec<f64>> {
     const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
     let rounding = |face: u32| {
         let f = &scene.faces()[face as usize];
@@ -337,16 +336,14 @@ fn chords(scene: &PackedScene, records: &[(GridRecord, &Measured)]) -> Vec<Vec<f
         (11.0 * degrees + 8.0) * of_weights * UNIT * scene.frames()[face as usize].scale
     };
     let mut chords: Vec<Vec<f64>> = scene.frames().iter().map(|frame| vec![0.0; frame.pieces()]).collect();
-    for (record, measured) in records {
-        let [low_u, high_u, low_v, high_v] = record.borders.map(|border| border.level);
-        let least = [record.level[0].min(low_v).min(high_v), record.level[1].min(low_u).min(high_u)];
+    for (Placed { record, measured, .. }, Chosen { level, .. }) in placed.iter().zip(chosen) {
         let borders = record.borders.iter().map(|border| border.face);
         let faces = borders.chain(record.corners.iter().map(|corner| corner.face)).chain([record.face]);
         let rounding = faces.map(rounding).fold(0.0, f64::max);
-        let [width, height] = measured.part.patch.domain.map(|[start, end]| end - start);
+        let [width, height] = measured.size();
         let size = measured.part.size.map(f64::from);
         let speed = (measured.bounds.u * width / size[0]).max(measured.bounds.v * height / size[1]);
-        let chord = measured.chord(least) + rounding + f64::from(f32::EPSILON) * speed;
+        let chord = measured.chord(*level) + rounding + f64::from(f32::EPSILON) * speed;
         let of_patch = &mut chords[record.face as usize][measured.patch];
         *of_patch = chord.max(*of_patch);
     }

@@ -1,12 +1,13 @@
 //! Which borders and corners patches share, so that all of them may have the same there.
 //!
-//! Inside a face neighbours share them by their spans. Between faces that no loops bound, borders are shared whose control points
+//! Inside a face neighbours share them by their spans. Between faces of one program that no loops bound, borders are shared whose control points
 //! coincide, in either direction, and corners that do. Where a border of one face runs along a part of another's, or in another
 //! parametrization, nothing is shared: a gap is left there, as wide as both chords together.
 
 use super::record::{BorderRecord, CornerRecord};
 use glam::DVec3;
 use nurbs::BezierPatch;
+use pipeline::Program;
 
 /// Points that are nearer to each other than this share of the model's size are one.
 const SAME: f64 = 1e-12;
@@ -35,12 +36,15 @@ pub struct FaceParts {
     pub columns: usize,
     /// Whether loops bound it: then its outer borders are its own, and have skirts.
     pub is_bounded: bool,
+    /// What evaluates it: one program cannot evaluate a face of another.
+    pub program: Program,
 }
 
 /// A border in space.
 struct Curve {
     /// Four times the number of its part among those of all faces, and its side: u = 0, u = 1, v = 0, v = 1.
     border: usize,
+    program: Program,
     points: Vec<DVec3>,
     /// Relative to the first.
     weights: Vec<f64>,
@@ -54,8 +58,6 @@ pub struct Joints {
     pub borders: Vec<Vec<[BorderRecord; 4]>>,
     /// Where each part evaluates its corners.
     pub corners: Vec<Vec<[CornerRecord; 4]>>,
-    /// How many groups of borders there are.
-    pub count: usize,
 }
 
 /// Sets of numbers, joined pair by pair.
@@ -107,7 +109,7 @@ impl Joints {
                 if !face.is_bounded {
                     let is_outer = [k == 0, k + 1 == rows, l == 0, l + 1 == columns];
                     let outer = (0..4).filter(|side| is_outer[*side]);
-                    curves.extend(outer.map(|side| Curve::new(&part.patch, number(index) + side)));
+                    curves.extend(outer.map(|side| Curve::new(&part.patch, number(index) + side, face.program)));
                 }
             }
             starts.push(start + face.parts.len());
@@ -138,13 +140,12 @@ impl Joints {
             groups: (0..faces.len()).map(|id| numbers(id).map(group).collect()).collect(),
             borders: (0..faces.len()).map(|id| numbers(id).map(border).collect()).collect(),
             corners: (0..faces.len()).map(|id| numbers(id).map(corner).collect()).collect(),
-            count: 4 * all.len(),
         }
     }
 }
 
 impl Curve {
-    fn new(patch: &BezierPatch, border: usize) -> Self {
+    fn new(patch: &BezierPatch, border: usize, program: Program) -> Self {
         let [rows, columns] = [0, 1].map(|k| patch.degree[k] + 1);
         let control = |i: usize, j: usize| patch.control[i * columns + j];
         let points: Vec<_> = match border % 4 {
@@ -155,7 +156,7 @@ impl Curve {
         };
         let weights = points.iter().map(|c| c.w).collect();
         let points = points.iter().map(|c| patch.origin + c.truncate() / c.w).collect();
-        Self { border, points, weights }
+        Self { border, program, points, weights }
     }
 
     fn ends(&self) -> [DVec3; 2] {
@@ -165,7 +166,7 @@ impl Curve {
     /// Whether another is the same curve, parametrized alike, or backwards where `turned`.
     fn is_same(&self, other: &Self, turned: bool, near: f64) -> bool {
         let count = self.points.len();
-        if count != other.points.len() {
+        if count != other.points.len() || self.program != other.program {
             return false;
         }
         let of = |k: usize| if turned { count - 1 - k } else { k };
@@ -207,13 +208,13 @@ fn join_corners(curves: &[Curve], near: f64, corners: &mut Sets) {
     const ENDS: [[usize; 2]; 4] = [[0, 1], [2, 3], [0, 2], [1, 3]];
     let ends = |curve: &Curve| {
         let (part, side) = (curve.border / 4, curve.border % 4);
-        [0, 1].map(|end| (curve.ends()[end], 4 * part + ENDS[side][end]))
+        [0, 1].map(|end| (curve.ends()[end], curve.program, 4 * part + ENDS[side][end]))
     };
-    let mut points: Vec<(DVec3, usize)> = curves.iter().flat_map(ends).collect();
-    points.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.1.cmp(&b.1)));
-    for (first, (a, number)) in points.iter().enumerate() {
-        for (b, other) in points[first + 1..].iter().take_while(|(b, _)| b.x - a.x <= near) {
-            if a.distance(*b) <= near {
+    let mut points: Vec<(DVec3, Program, usize)> = curves.iter().flat_map(ends).collect();
+    points.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.2.cmp(&b.2)));
+    for (first, (a, program, number)) in points.iter().enumerate() {
+        for (b, other_program, other) in points[first + 1..].iter().take_while(|(b, ..)| b.x - a.x <= near) {
+            if program == other_program && a.distance(*b) <= near {
                 corners.join(*number, *other);
             }
         }

@@ -1,4 +1,4 @@
-//! The record of a patch's grid, as the CPU and the GPU read it. `shaders/grid/corner.wgsl` declares the same one.
+//! The records of a patch's grid, as the CPU and the GPU read them. `shaders/grid/corner.wgsl` and `levels.wgsl` declare the same ones.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -7,6 +7,9 @@ pub const LOW_U: u32 = 1;
 
 /// [`GridRecord::sides`]: a skirt goes on beyond v = 0.
 pub const LOW_V: u32 = 4;
+
+/// [`GridRecord::sides`]: the patch is out of the picture, and nothing of it is drawn.
+pub const OUT: u32 = 16;
 
 /// Where all patches that meet at a corner evaluate it. 24 bytes.
 #[repr(C)]
@@ -39,12 +42,14 @@ pub struct BorderRecord {
 }
 
 /// The grid of a Bézier patch, or of a part of one whose weights vary much. 272 bytes.
+///
+/// What a view decides is 0 before [`settled`](super::levels::settled): the levels, the sides and the skirt.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct GridRecord {
     /// The face.
     pub face: u32,
-    /// On which sides it has a skirt.
+    /// On which sides it has a skirt; [`OUT`].
     pub sides: u32,
     /// The face's spans.
     pub span: [u32; 2],
@@ -64,9 +69,32 @@ pub struct GridRecord {
     pub corners: [CornerRecord; 4],
 }
 
+/// What a patch's levels depend on besides the view. 64 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Measure {
+    /// The middle of a box that holds the patch, local units of its face.
+    pub center: [f32; 3],
+    /// The box's diagonal.
+    pub diagonal: f32,
+    /// Half its edges, rounded outward.
+    pub half: [f32; 3],
+    /// For u = 0, u = 1, v = 0 and v = 1 a byte, the least first: a skirt is there at levels below it.
+    pub skirts: u32,
+    /// |S_uu|, 2 |S_uv| and |S_vv| at most, over 8, by parameters that are 0 … 1 across the patch.
+    pub bend: [f32; 3],
+    /// Unused.
+    pub padding: u32,
+    /// The groups of borders that its sides are of, as [`GridRecord::borders`].
+    pub groups: [u32; 4],
+}
+
 impl GridRecord {
-    /// Cells along u and along v, those of skirts too.
+    /// Cells along u and along v, those of skirts too; none out of the picture.
     pub fn cells(&self) -> [u32; 2] {
+        if self.sides & OUT != 0 {
+            return [0, 0];
+        }
         [0, 1].map(|k| (1 << self.level[k]) + (self.sides >> (2 * k) & 3).count_ones())
     }
 }
@@ -78,5 +106,6 @@ mod tests {
     #[test]
     fn records_have_the_sizes_that_wgsl_gives_them() {
         assert_eq!((size_of::<CornerRecord>(), size_of::<BorderRecord>(), size_of::<GridRecord>()), (24, 32, 272));
+        assert_eq!(size_of::<Measure>(), 64);
     }
 }

@@ -10,6 +10,7 @@ use raster::geometry::Geometry;
 use raster::rect::Rect;
 use raster::setup::Triangle;
 use raster::visibility::{Run, Samples, Seen, Visibility, of_pixel};
+use std::borrow::Cow;
 
 /// Triangles in the picture.
 pub struct Triangles<'a> {
@@ -20,7 +21,7 @@ pub struct Triangles<'a> {
 
 impl<'a> Triangles<'a> {
     /// Runs the vertex stage, clips, and sorts triangles into tiles.
-    pub fn new(mesh: &'a Mesh, drawing: Drawing<'a>) -> Self {
+    pub fn new(mesh: Cow<'a, Mesh>, drawing: Drawing<'a>) -> Self {
         let geometry = Geometry::new(mesh, drawing.views, drawing.viewport);
         let bins = Bins::of_tiles(&geometry, drawing.viewport);
         Self { drawing, geometry, bins }

@@ -1,7 +1,7 @@
 //! Triangles on the device: the fragment stage runs the program, and a depth buffer keeps the nearest.
 
 use gpu::{
-    DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets,
+    DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, SceneLayouts, Stamps, Targets,
     as_shader_error,
 };
 use pipeline::Program;
@@ -37,11 +37,30 @@ pub trait Feed: Clone + Sized + 'static {
     fn prepare(
         &mut self,
         _device: &Device,
-        _scene: &wgpu::BindGroupLayout,
+        _scene: &SceneLayouts,
         _modules: &Modules,
     ) -> Result<(), GpuError> {
         Ok(())
     }
+
+    /// It with room for what a picture has had.
+    ///
+    /// # Errors
+    /// As of [`Pass::frame`].
+    fn frame(&self, _device: &Device) -> Result<Self, GpuError> {
+        Ok(self.clone())
+    }
+
+    /// Whether nothing was lost for want of room; otherwise the next frame has more.
+    ///
+    /// # Errors
+    /// As of [`Frame::had_room`].
+    fn had_room(&self, _device: &Device) -> Result<bool, GpuError> {
+        Ok(true)
+    }
+
+    /// Bytes of its buffers.
+    fn bytes(&self) -> u64;
 
     /// In how many steps a picture is drawn.
     fn steps(&self) -> usize {
@@ -81,7 +100,7 @@ pub struct Draw<F> {
     technique: &'static str,
     depth: DepthOrder,
     fed: F,
-    scene: wgpu::BindGroupLayout,
+    scene: SceneLayouts,
     layout: wgpu::PipelineLayout,
     /// Made when first drawn with: a driver may take seconds to compile one.
     pipelines: HashMap<(Program, Output), RenderPipeline>,
@@ -100,14 +119,10 @@ impl<F: Feed> Draw<F> {
     ) -> Result<Self, GpuError> {
         let fed = F::new(device, prepared)?;
         let layout = device.guarded("setting up", || {
-            let groups: Vec<_> = [Some(&scene.layout)].into_iter().chain(fed.layouts()).collect();
-            device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("scene"),
-                bind_group_layouts: &groups,
-                immediate_size: 0,
-            })
+            let groups: Vec<_> = [Some(&scene.layouts.scene)].into_iter().chain(fed.layouts()).collect();
+            device.pipeline_layout("scene", &groups)
         })?;
-        let (technique, scene) = (prepared.technique(), scene.layout.clone());
+        let (technique, scene) = (prepared.technique(), scene.layouts.clone());
         Ok(Self { technique, depth, fed, scene, layout, pipelines: HashMap::new() })
     }
 
@@ -162,6 +177,10 @@ impl<F: Feed> Draw<F> {
 }
 
 impl<F: Feed> Pass for Draw<F> {
+    fn bytes(&self) -> u64 {
+        self.fed.bytes()
+    }
+
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
         self.fed.prepare(device, &self.scene, modules)?;
         for (&program, module) in modules {
@@ -178,8 +197,8 @@ impl<F: Feed> Pass for Draw<F> {
             let usage = TextureUsages::RENDER_ATTACHMENT;
             device.texture("depth", targets.viewport, DEPTH_FORMAT, usage).create_view(&Default::default())
         })?;
-        let Self { depth, fed, pipelines, .. } = self;
-        Ok(Box::new(Drawn { depth: *depth, fed: fed.clone(), pipelines: pipelines.clone(), depth_buffer }))
+        let (fed, pipelines) = (self.fed.frame(device)?, self.pipelines.clone());
+        Ok(Box::new(Drawn { depth: self.depth, fed, pipelines, depth_buffer }))
     }
 
     fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
@@ -242,5 +261,9 @@ impl<F: Feed> Frame for Drawn<F> {
             pass.set_bind_group(0, &scene.group, &[]);
             self.fed.draw(&mut pass, &|program| self.pipelines.get(&(program, targets.output)), step);
         }
+    }
+
+    fn had_room(&self, device: &Device) -> Result<bool, GpuError> {
+        self.fed.had_room(device)
     }
 }

@@ -3,7 +3,8 @@
 use super::plan::{SIDE, Step, Zones};
 use crate::grid::CORNER;
 use crate::triangles::gpu::{Draw, Feed, PART};
-use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, as_shader_error};
+use gpu::groups::{READ, UNIFORM_AT, WRITE, part, whole};
+use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, SceneLayouts};
 use pipeline::Program;
 use pipeline::wgsl::Part;
 use std::collections::HashMap;
@@ -55,7 +56,8 @@ impl Drawable for Zones {
 /// What generates the triangles.
 #[derive(Clone)]
 struct Generator {
-    grids: wgpu::Buffer,
+    /// Grids, first zones, zones and corners of a step, and the steps.
+    buffers: [wgpu::Buffer; 5],
     steps: Vec<Step>,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
@@ -65,97 +67,55 @@ struct Generator {
     kernels: HashMap<Program, [wgpu::ComputePipeline; 2]>,
 }
 
-/// A buffer's binding.
-fn entry(
-    binding: u32,
-    visibility: ShaderStages,
-    ty: wgpu::BufferBindingType,
-    has_dynamic_offset: bool,
-) -> wgpu::BindGroupLayoutEntry {
-    let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-    wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
-}
-
 impl Feed for Generator {
     type Prepared = Zones;
 
     fn new(device: &Device, zones: &Zones) -> Result<Self, GpuError> {
         let most = zones.steps.iter().map(|step| step.zones.len() as u64).max().unwrap_or(1);
-        let grids = device.storage("grids", bytemuck::cast_slice(&zones.grids.records))?;
+        let grids = device.storage("grids", bytemuck::cast_slice(&zones.grids.picture.records))?;
         let firsts = device.storage("first zones", bytemuck::cast_slice(&zones.firsts))?;
         let found = device.empty("zones", 16 * most)?;
         let made = device.empty("corners of zones", CORNER_BYTES * u64::from(CORNERS) * most)?;
         let mut uniforms = vec![0u32; STEP_STRIDE / 4 * zones.steps.len().max(1)];
         for (number, (uniform, step)) in (0..).zip(uniforms.chunks_exact_mut(STEP_STRIDE / 4).zip(&zones.steps)) {
-            let grids = zones.grids.records.len() as u32;
+            let grids = zones.grids.picture.records.len() as u32;
             uniform[..4].copy_from_slice(&[step.zones.start, step.zones.len() as u32, number, grids]);
         }
         let uniforms = device.buffer("steps", BufferUsages::UNIFORM, bytemuck::cast_slice(&uniforms))?;
         let (layout, group, drawn_layout, drawn_group) = device.guarded("setting up", || {
-            let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
-            let group_layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
-                let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some(label), entries };
-                device.wgpu.create_bind_group_layout(&descriptor)
-            };
-            let stage = ShaderStages::COMPUTE;
-            let layout = group_layout(
-                "zones",
-                &[
-                    entry(0, stage, storage(true), false),
-                    entry(1, stage, storage(true), false),
-                    entry(2, stage, storage(false), false),
-                    entry(3, stage, storage(false), false),
-                    entry(4, stage, wgpu::BufferBindingType::Uniform, true),
-                ],
-            );
-            let one =
-                wgpu::BufferBinding { buffer: &uniforms, offset: 0, size: wgpu::BufferSize::new(STEP_STRIDE as u64) };
-            let whole = [&grids, &firsts, &found, &made].map(|buffer| buffer.as_entire_binding());
-            let resources = whole.into_iter().chain([wgpu::BindingResource::Buffer(one)]);
-            let entries: Vec<_> =
-                (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-            let descriptor = wgpu::BindGroupDescriptor { label: Some("zones"), layout: &layout, entries: &entries };
-            let group = device.wgpu.create_bind_group(&descriptor);
-            let drawn_layout = group_layout("corners", &[entry(0, ShaderStages::VERTEX, storage(true), false)]);
-            let drawn_group = device.group("corners", &drawn_layout, [&made]);
+            let kernels = [READ, READ, WRITE, WRITE, UNIFORM_AT];
+            let layout = device.group_layout("zones", ShaderStages::COMPUTE, (0..).zip(kernels));
+            let step = part(&uniforms, STEP_STRIDE as u64);
+            let group = device.group("zones", &layout, whole([&grids, &firsts, &found, &made]).chain([(4, step)]));
+            let drawn_layout = device.group_layout("corners", ShaderStages::VERTEX, [(0, READ)]);
+            let drawn_group = device.group("corners", &drawn_layout, whole([&made]));
             (layout, group, drawn_layout, drawn_group)
         })?;
         let (steps, kernels) = (zones.steps.clone(), HashMap::new());
-        Ok(Self { grids, steps, layout, group, drawn_layout, drawn_group, kernels })
+        let buffers = [grids, firsts, found, made, uniforms];
+        Ok(Self { buffers, steps, layout, group, drawn_layout, drawn_group, kernels })
     }
 
     fn layouts(&self) -> Vec<Option<&wgpu::BindGroupLayout>> {
         vec![None, Some(&self.drawn_layout)]
     }
 
-    fn prepare(&mut self, device: &Device, scene: &wgpu::BindGroupLayout, modules: &Modules) -> Result<(), GpuError> {
+    fn prepare(&mut self, device: &Device, scene: &SceneLayouts, modules: &Modules) -> Result<(), GpuError> {
+        let layout = device
+            .guarded("setting up", || device.pipeline_layout("zones", &[Some(&scene.scene), Some(&self.layout)]))?;
         for (&program, module) in modules {
-            if self.kernels.contains_key(&program) {
-                continue;
+            if !self.kernels.contains_key(&program) {
+                let compile = |kernel| device.kernel(&layout, (program, module), kernel, &[]);
+                let [find, tessellate] = KERNELS;
+                let kernels = [compile(find)?, compile(tessellate)?];
+                self.kernels.insert(program, kernels);
             }
-            let compile = |kernel: &'static str| {
-                let pipeline = device.guarded("compiling a pipeline", || {
-                    let layout = device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                        label: Some("zones"),
-                        bind_group_layouts: &[Some(scene), Some(&self.layout)],
-                        immediate_size: 0,
-                    });
-                    device.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                        label: Some(kernel),
-                        layout: Some(&layout),
-                        module,
-                        entry_point: Some(kernel),
-                        compilation_options: Default::default(),
-                        cache: None,
-                    })
-                });
-                pipeline.map_err(|error| as_shader_error(error, program, kernel))
-            };
-            let [find, tessellate] = KERNELS;
-            let kernels = [compile(find)?, compile(tessellate)?];
-            self.kernels.insert(program, kernels);
         }
         Ok(())
+    }
+
+    fn bytes(&self) -> u64 {
+        self.buffers.iter().map(wgpu::Buffer::size).sum()
     }
 
     fn steps(&self) -> usize {
@@ -191,8 +151,8 @@ impl Feed for Generator {
     }
 
     fn write_changes(&mut self, device: &Device, before: &Zones, after: &Zones) -> Result<u64, GpuError> {
-        let [old, new] = [before, after].map(|zones| bytemuck::cast_slice(&zones.grids.records));
-        device.write_changes("grids", &self.grids, old, new)
+        let [old, new] = [before, after].map(|zones| bytemuck::cast_slice(&zones.grids.picture.records));
+        device.write_changes("grids", &self.buffers[0], old, new)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::grid::Grids;
 use crate::triangles::cell;
-use pipeline::{PackedScene, Program};
+use pipeline::{Mesh, PackedScene, Program};
 use std::ops::Range;
 
 /// Cells of a zone along each side: Concheiro's m.
@@ -26,8 +26,10 @@ pub struct Step {
 /// The grids of a scene in zones; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Zones {
-    /// The grids. The triangles of [`Grids::mesh`] run zone by zone, as they are drawn.
+    /// The grids.
     pub grids: Grids,
+    /// Their triangles zone by zone, as they are drawn.
+    pub mesh: Mesh,
     /// The number of each grid's first zone, and one more behind the last.
     pub firsts: Vec<u32>,
     /// In drawing order.
@@ -40,10 +42,10 @@ pub struct Zones {
 
 impl Zones {
     /// The zones of grids of a scene.
-    pub fn new(mut grids: Grids, scene: &PackedScene) -> Self {
+    pub fn new(grids: Grids, scene: &PackedScene) -> Self {
         let mut firsts = vec![0];
         let mut programs: Vec<Step> = vec![];
-        for record in &grids.records {
+        for record in &grids.picture.records {
             let start = firsts[firsts.len() - 1];
             let end = start + record.cells().map(|cells| cells.div_ceil(SIDE)).iter().product::<u32>();
             firsts.push(end);
@@ -53,8 +55,8 @@ impl Zones {
                 _ => programs.push(Step { program, zones: start..end }),
             }
         }
-        grids.mesh.indices = in_zones(&grids);
-        Self { grids, firsts, steps: vec![], most: MOST, programs }.in_steps_of(MOST)
+        let mesh = in_zones(&grids, scene);
+        Self { grids, mesh, firsts, steps: vec![], most: MOST, programs }.in_steps_of(MOST)
     }
 
     /// The same in steps of at most so many zones, one at least.
@@ -68,21 +70,23 @@ impl Zones {
     }
 }
 
-/// The indices of the grids' triangles, zone by zone.
-fn in_zones(grids: &Grids) -> Vec<u32> {
-    let mut indices = Vec::with_capacity(grids.mesh.indices.len());
+/// The grids' triangles, zone by zone.
+fn in_zones(grids: &Grids, scene: &PackedScene) -> Mesh {
+    let mut mesh = Mesh { vertices: grids.picture.mesh.vertices.clone(), ..Mesh::default() };
     let mut base = 0;
-    for record in &grids.records {
+    for record in grids.picture.records.iter().filter(|record| record.cells() != [0, 0]) {
         let [rows, columns] = record.cells();
+        let first = mesh.indices.len() as u32;
         let starts = |cells: u32| (0..cells).step_by(SIDE as usize);
         for (row, column) in starts(rows).flat_map(|row| starts(columns).map(move |column| (row, column))) {
             for i in row..rows.min(row + SIDE) {
                 for j in column..columns.min(column + SIDE) {
-                    indices.extend(cell(base + i * (columns + 1) + j, columns + 1));
+                    mesh.indices.extend(cell(base + i * (columns + 1) + j, columns + 1));
                 }
             }
         }
+        mesh.batch(scene.programs()[record.face as usize], first);
         base += (rows + 1) * (columns + 1);
     }
-    indices
+    mesh
 }

@@ -1,6 +1,7 @@
 //! What the kernels of technique `exact` keep of one picture: the meetings of rays and pieces, and what each pixel shows.
 
 use bytemuck::{Pod, Zeroable};
+use gpu::groups::{part, whole};
 use gpu::{Device, GpuError, Output, Targets};
 use pipeline::Program;
 use scene::Viewport;
@@ -114,16 +115,11 @@ impl Picture {
         }
         let batches = device.buffer("batches", BufferUsages::UNIFORM, bytemuck::cast_slice(&batches))?;
         let (group, targets) = device.guarded("setting up", || {
-            let whole = [&shared.pieces, &shared.hulls, &words, &meetings].map(|buffer| buffer.as_entire_binding());
-            let one = wgpu::BufferBinding {
-                buffer: &batches,
-                offset: 0,
-                size: wgpu::BufferSize::new(u64::from(BATCH_STRIDE)),
-            };
-            let all = whole.into_iter().chain([wgpu::BindingResource::Buffer(one)]);
-            let group = bound(device, "pieces", &shared.layout, 0, all);
+            let buffers = whole([&shared.pieces, &shared.hulls, &words, &meetings]);
+            let batch = part(&batches, u64::from(BATCH_STRIDE));
+            let group = device.group("pieces", &shared.layout, buffers.chain([(4, batch)]));
             let views = targets.colour_views.iter().map(wgpu::BindingResource::TextureView);
-            (group, bound(device, "targets", layout, first_target(targets.output), views))
+            (group, device.group("targets", layout, (first_target(targets.output)..).zip(views)))
         })?;
         Ok(Self { group, targets, words, capacity, viewport })
     }
@@ -167,17 +163,4 @@ pub(super) fn within_limits(device: &Device, needed: u64, wanted: u64) -> Result
     let bytes = needed * MEETING_BYTES;
     device.fits("meetings of rays and pieces", "max_storage_buffer_binding_size", bytes, limit)?;
     Ok(wanted.min(limit / MEETING_BYTES))
-}
-
-/// A group of resources at bindings `first`, `first` + 1 …
-fn bound<'r>(
-    device: &Device,
-    label: &str,
-    layout: &wgpu::BindGroupLayout,
-    first: u32,
-    resources: impl Iterator<Item = wgpu::BindingResource<'r>>,
-) -> wgpu::BindGroup {
-    let entries: Vec<_> =
-        (first..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    device.wgpu.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }

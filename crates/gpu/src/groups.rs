@@ -1,0 +1,91 @@
+//! Bind groups, their layouts, and the compute pipelines that take them.
+
+use crate::modules::as_shader_error;
+use crate::{Device, GpuError};
+use pipeline::Program;
+use wgpu::{BindingResource, BindingType, BufferBindingType, ShaderStages};
+
+/// A storage buffer that shaders read.
+pub const READ: BindingType = buffer(BufferBindingType::Storage { read_only: true }, false);
+
+/// A storage buffer that shaders read and write.
+pub const WRITE: BindingType = buffer(BufferBindingType::Storage { read_only: false }, false);
+
+/// A uniform buffer.
+pub const UNIFORM: BindingType = buffer(BufferBindingType::Uniform, false);
+
+/// A uniform buffer of which each call takes another part.
+pub const UNIFORM_AT: BindingType = buffer(BufferBindingType::Uniform, true);
+
+const fn buffer(ty: BufferBindingType, has_dynamic_offset: bool) -> BindingType {
+    BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
+}
+
+impl Device {
+    /// The layout of a group with these bindings.
+    pub fn group_layout(
+        &self,
+        label: &str,
+        visibility: ShaderStages,
+        bindings: impl IntoIterator<Item = (u32, BindingType)>,
+    ) -> wgpu::BindGroupLayout {
+        let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let entries: Vec<_> = bindings.into_iter().map(entry).collect();
+        self.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+    }
+
+    /// A group of these resources.
+    pub fn group<'b>(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        resources: impl IntoIterator<Item = (u32, BindingResource<'b>)>,
+    ) -> wgpu::BindGroup {
+        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+        let entries: Vec<_> = resources.into_iter().map(entry).collect();
+        self.wgpu.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+    }
+
+    /// The layout of a pipeline that takes these groups.
+    pub fn pipeline_layout(
+        &self,
+        label: &str,
+        bind_group_layouts: &[Option<&wgpu::BindGroupLayout>],
+    ) -> wgpu::PipelineLayout {
+        let descriptor = wgpu::PipelineLayoutDescriptor { label: Some(label), bind_group_layouts, immediate_size: 0 };
+        self.wgpu.create_pipeline_layout(&descriptor)
+    }
+
+    /// The pipeline of a kernel of a program's module, with these constants.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] where the program is illegal; [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    pub fn kernel(
+        &self,
+        layout: &wgpu::PipelineLayout,
+        (program, module): (Program, &wgpu::ShaderModule),
+        entry: &'static str,
+        constants: &[(&str, f64)],
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        let descriptor = wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: Some(layout),
+            module,
+            entry_point: Some(entry),
+            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+            cache: None,
+        };
+        self.guarded("compiling a pipeline", || self.wgpu.create_compute_pipeline(&descriptor))
+            .map_err(|error| as_shader_error(error, program, entry))
+    }
+}
+
+/// Whole buffers at bindings 0, 1, 2 …
+pub fn whole<'b>(buffers: impl IntoIterator<Item = &'b wgpu::Buffer>) -> impl Iterator<Item = (u32, BindingResource<'b>)> {
+    (0..).zip(buffers.into_iter().map(|buffer| buffer.as_entire_binding()))
+}
+
+/// The first `size` bytes of a buffer, from which calls count their offsets.
+pub fn part(buffer: &wgpu::Buffer, size: u64) -> BindingResource<'_> {
+    BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size: wgpu::BufferSize::new(size) })
+}
