@@ -56,7 +56,7 @@ struct Measured {
     /// Number of its patch among the surface's, row-major in u.
     patch: usize,
     bounds: DerivativeBounds,
-    /// A box that holds it.
+    /// A box that holds its whole patch: the chord is one number for all parts of a patch, so all are as far away.
     hull: Hull,
 }
 
@@ -113,12 +113,12 @@ impl SurfaceParts {
         let columns = counts[1].len();
         let of_patch = |(patch, whole): (usize, &BezierPatch)| {
             let span = [patch / columns, patch % columns];
-            let count = [counts[0][span[0]], counts[1][span[1]]];
+            let (count, hull) = ([counts[0][span[0]], counts[1][span[1]]], whole.close_hull());
             let measured = |(index, part): (usize, BezierPatch)| {
                 let at = [index / count[1], index % count[1]];
                 let size = count.map(|count| 1.0 / count as f32);
                 let from = [0, 1].map(|k| at[k] as f32 * size[k]);
-                let (bounds, hull) = (part.derivative_bounds(), part.close_hull());
+                let bounds = part.derivative_bounds();
                 let part = Part { span: span.map(|k| k as u32), from, size, patch: part };
                 Measured { part, patch, bounds, hull }
             };

@@ -73,7 +73,7 @@ pub struct GridRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Measure {
-    /// The middle of a box that holds the patch, local units of its face.
+    /// The middle of a box that holds the patch, with all its parts, local units of its face.
     pub center: [f32; 3],
     /// The box's diagonal.
     pub diagonal: f32,
