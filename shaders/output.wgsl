@@ -19,11 +19,11 @@ fn gbuffer_output(face: u32, f: Fragment, at: vec2<f32>) -> GBufferOutput {
     );
 }
 
-// The colour of a fragment with this normal, seen at a local position.
-fn shaded_output(face: u32, f: Fragment, normal: vec3<f32>, local: vec3<f32>) -> vec4<f32> {
+// The colour of a fragment, seen at a local position.
+fn shaded_output(face: u32, f: Fragment, local: vec3<f32>) -> vec4<f32> {
     let view = views[face];
     var s: ShadeInput;
-    s.normal = normal;
+    s.normal = f.normal;
     s.status = f.status;
     s.view = view_direction(view.eye, local);
     s.uv01 = f.whole;

@@ -45,19 +45,34 @@ fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> vec2<f32> {
     return nearest(footprint(pixel, f.uv, f.position, f.su * length_u, f.sv * length_v));
 }
 
+// What the flat triangle carries, in place of the surface's own: the interpolated normal, and the triangle's point but on a skirt.
+fn carried(in: VertexOutput, own: Fragment) -> Fragment {
+    var f = own;
+    let length = sqrt(dot(in.normal, in.normal));
+    f.status = select(UNDEFINED, REGULAR, length > 0.0);
+    f.normal = select(vec3<f32>(0.0), in.normal / length, length > 0.0);
+    f.curvature = vec2<f32>(0.0);
+    if (!TRIMMED || !is_on_skirt(faces[in.face], Parameters(in.span, in.uv))) {
+        f.position = in.local;
+    }
+    return f;
+}
+
 @fragment
 fn fragment_gbuffer(in: VertexOutput) -> GBufferOutput {
-    let f = shown(in);
+    var f = shown(in);
+    if (VERTEX_NORMALS) {
+        f = carried(in, f);
+    }
     return gbuffer_output(in.face, f, in.clip.xy);
 }
 
 @fragment
 fn fragment_shaded(in: VertexOutput) -> @location(0) vec4<f32> {
-    let f = shown(in);
-    var normal = f.normal;
-    if (INTERPOLATED_NORMAL) {
-        normal = in.normal / sqrt(dot(in.normal, in.normal));
+    var f = shown(in);
+    if (VERTEX_NORMALS) {
+        f = carried(in, f);
     }
     // The flat triangle's point is on the pixel's ray; S is off it by the chord.
-    return shaded_output(in.face, f, normal, in.local);
+    return shaded_output(in.face, f, in.local);
 }

@@ -279,5 +279,5 @@ fn resolve_shaded(@builtin(global_invocation_id) id: vec3<u32>) {
     let meeting = meetings[shown - 1u];
     let face = pieces[meeting.piece].face;
     let f = fragment(face, met_at(meeting));
-    textureStore(colour_target, id.xy, shaded_output(face, f, f.normal, f.position));
+    textureStore(colour_target, id.xy, shaded_output(face, f, f.position));
 }

@@ -100,7 +100,7 @@ fn corner(grid: u32, u: Line, v: Line) -> VertexOutput {
     let sites = array<Site, 2>(Site(face, Parameters(span, uv)), site);
     // Its own evaluation, where another one gives the position, is for normals and for what is in another face's coordinates.
     let is_shared = u.side == 0.0 && v.side == 0.0 && any(on_border);
-    let first = select(0u, 1u, is_shared && site.face == face && !INTERPOLATED_NORMAL);
+    let first = select(0u, 1u, is_shared && site.face == face && !VERTEX_NORMALS);
     let last = select(0u, 1u, is_shared);
     var own: Fragment;
     var seam: Fragment;

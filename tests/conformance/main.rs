@@ -18,3 +18,4 @@ mod three_way;
 mod trim_texture;
 mod trims;
 mod vacuity;
+mod vertex_normals;

@@ -108,8 +108,8 @@ pub fn run(args: &KanaiArgs) -> Result<()> {
 
 /// The G-buffers with normals interpolated from the vertices, and with the fragments' own.
 pub fn buffers(stage: &Stage) -> [GBuffer; 2] {
-    [true, false].map(|interpolated_normals| {
-        let options = raster::Options { curvature: false, interpolated_normals };
+    [true, false].map(|vertex_normals| {
+        let options = raster::Options { curvature: false, vertex_normals };
         stage.rasterizer(options).render(stage.meta("raster"), &|_| {})
     })
 }

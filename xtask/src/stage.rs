@@ -2,7 +2,9 @@
 
 use crate::terminal;
 use anyhow::{Result, bail};
-use compare::{Deviation, Interpolation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict};
+use compare::{
+    Deviation, Interpolation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict, VertexNormals,
+};
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, Trims, shade_tolerant};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval, enclose};
 use pipeline::mask::{MaskPlan, MaskQuality, Masks, Trimming};
@@ -38,6 +40,8 @@ pub struct Plan {
     pub trim: Trimming,
     /// Whether each pixel records where a trim edge of its face passes.
     pub edges: bool,
+    /// Whether pixels show the points of flat triangles, and normals interpolated over them, in place of the surface's own.
+    pub vertex_normals: bool,
     /// The share of covered pixels that may have no verdict for want of a bound: what the scene states.
     pub unbounded_share: f64,
 }
@@ -50,6 +54,7 @@ impl Default for Plan {
             chord_px: DEFAULT_CHORD_PX,
             trim: Trimming::default(),
             edges: false,
+            vertex_normals: false,
             unbounded_share: UNBOUNDED_SHARE,
         }
     }
@@ -189,6 +194,12 @@ impl<'m> Stage<'m> {
         let scene = Arc::new(plan.packed(model, &camera, viewport)?);
         let setting = Setting { model, scene: &scene, camera: &camera, viewport, chord_px: plan.chord_px };
         let prepared = plan.technique.prepare(&setting)?;
+        if plan.vertex_normals && prepared.cells().is_empty() {
+            bail!(
+                "technique {} draws no triangles with corners on the surface, so it has no vertex normals",
+                plan.technique.name()
+            )
+        }
         if let Some(kept) = prepared.built_px().filter(|kept| *kept > plan.chord_px) {
             let (asked, triangles) = (plan.chord_px, prepared.triangles());
             terminal::note(format_args!(
@@ -244,8 +255,12 @@ impl<'m> Stage<'m> {
     /// The CPU's G-buffer.
     pub fn raster(&self) -> GBuffer {
         let bar = terminal::progress("raster", self.viewport.pixels());
-        let options = raster::Options { curvature: true, interpolated_normals: false };
-        self.rasterizer(options).render(self.meta("raster"), &|pixels| bar.inc(pixels as u64))
+        self.rasterizer(self.options()).render(self.meta("raster"), &|pixels| bar.inc(pixels as u64))
+    }
+
+    /// What both rasterizers compute: of interpolated normals there is no curvature.
+    fn options(&self) -> raster::Options {
+        raster::Options { curvature: !self.plan.vertex_normals, vertex_normals: self.plan.vertex_normals }
     }
 
     /// The ray caster's G-buffer.
@@ -271,7 +286,8 @@ impl<'m> Stage<'m> {
         device: &'a gpu::Device,
         overrides: gpu::Overrides<'_>,
     ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
-        let options = gpu::RendererOptions { curvature: true, interpolated_normals: false, overrides };
+        let raster::Options { curvature, vertex_normals } = self.options();
+        let options = gpu::RendererOptions { curvature, vertex_normals, overrides };
         gpu::Renderer::new(device, &self.scene, &*self.prepared, options)
     }
 
@@ -326,7 +342,7 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the buffers cannot be compared.
     pub fn against_raster(&self, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
-        let rasterizer = self.rasterizer(raster::Options { curvature: false, interpolated_normals: false });
+        let rasterizer = self.rasterizer(raster::Options { curvature: false, vertex_normals: false });
         self.pair(reference, &Triangles(rasterizer.sampler()), candidate, false)
     }
 
@@ -341,7 +357,7 @@ impl<'m> Stage<'m> {
         at: [usize; 2],
     ) -> Result<Vec<(String, String, PixelVerdict)>> {
         let rays = self.rays(caster);
-        let rasterizer = self.rasterizer(raster::Options { curvature: false, interpolated_normals: false });
+        let rasterizer = self.rasterizer(raster::Options { curvature: false, vertex_normals: false });
         let triangles = Triangles(rasterizer.sampler());
         let Rendered { raycast, raster, gpu } = rendered;
         let mut pairs: Vec<(&GBuffer, &dyn Sampler, &GBuffer, bool)> = vec![(raycast, &rays, raster, true)];
@@ -377,6 +393,11 @@ impl<'m> Stage<'m> {
             Deviation::against_surface(claims, &self.interpolation, chord, asked_px)
         } else {
             Deviation::between_twins(claims, &self.interpolation, chord, asked_px)
+        };
+        let deviation = if self.plan.vertex_normals {
+            deviation.with_vertex_normals(VertexNormals::new(self.model, self.prepared.cells()))
+        } else {
+            deviation
         };
         match &self.scene.masks() {
             None => deviation,

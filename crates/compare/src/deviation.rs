@@ -1,5 +1,6 @@
 //! How far across the ray a candidate's point may lie from what the reference shows, before any rounding of S itself.
 
+use crate::vertex_normals::VertexNormals;
 use nurbs::{BezierPatch, Surface};
 use rayon::prelude::*;
 use scene::{Camera, Model, Viewport};
@@ -105,6 +106,8 @@ pub struct Deviation {
     pub edge_px: f64,
     /// The least bound with which a pixel has no verdict, pixels.
     pub limit_px: f64,
+    /// Of a candidate that shows the points of its triangles and the normals interpolated over them: the cells.
+    pub vertex_normals: Option<VertexNormals>,
     /// Whether the candidate searches for roots, so that a nearer surface that it does not show is one that it missed.
     pub is_searched: bool,
     /// The share of covered pixels in which the candidate may say that it found no answer.
@@ -126,6 +129,7 @@ impl Deviation {
             edge_px: EDGE_PX,
             // A chord below 1/100 pixel cannot be asked for in earnest: vertices snap to 1/256.
             limit_px: TRIANGLES_MULTIPLE * asked_px.max(EXACT_PX),
+            vertex_normals: None,
             is_searched: false,
             unanswered_share: 0.0,
             text: format!(
@@ -179,6 +183,7 @@ impl Deviation {
             snap_px: EXACT_PX,
             edge_px: EDGE_PX,
             limit_px: EXACT_MULTIPLE * EXACT_PX,
+            vertex_normals: None,
             is_searched: false,
             unanswered_share: 0.0,
             text: format!("{EXACT_PX} px from the pixel's ray"),
@@ -205,6 +210,15 @@ impl Deviation {
         }
     }
 
+    /// The same where the candidate shows what its triangles carry.
+    pub fn with_vertex_normals(self, vertex_normals: VertexNormals) -> Self {
+        let text = format!(
+            "{}; position and normal: those of flat triangles, within the chord and a cone of the cell's normals",
+            self.text
+        );
+        Self { vertex_normals: Some(vertex_normals), text, ..self }
+    }
+
     /// What two renderers may differ by, each of which has an allowance of its own against the surface.
     pub fn either(&self, other: &Self) -> Self {
         Self {
@@ -215,6 +229,7 @@ impl Deviation {
             snap_px: self.snap_px + other.snap_px,
             edge_px: self.edge_px + other.edge_px,
             limit_px: self.limit_px + other.limit_px,
+            vertex_normals: other.vertex_normals.clone(),
             is_searched: other.is_searched,
             unanswered_share: self.unanswered_share.max(other.unanswered_share),
             text: if self.text == other.text {

@@ -33,6 +33,8 @@ impl<'m> Judge<'m> {
     /// 1. *evaluation*: position, normal and curvatures lie in their [`Enclosure`](pipeline::enclosure::Enclosure) at
     ///    the candidate's own (u, v), where f32 leaves the span or the status of the normal open in one of them; and
     ///    the packed face that it encloses is, up to narrowing, the model's;
+    ///    of a candidate that shows what its triangles carry ([`Deviation::vertex_normals`]), the position is within the chord of
+    ///    S, and the normal in a cone that holds all normals of the cell;
     /// 2. *trim*: where the pixel's ray meets a face that loops bound, close to the candidate's (u, v), it is material, in
     ///    f64, or an edge passes within the band of f32's own classification
     ///    ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band)) or [`Deviation::edge_px`] of the pixel's centre,
@@ -108,7 +110,7 @@ impl<'m> Judge<'m> {
         self.check(reference, candidate)?;
         let setting = &self.setting;
         let pair = Pair { setting, reference, candidate, sampler, deviation, exact };
-        let evaluated = || candidate.get(at[0], at[1]).and_then(|hit| setting.evaluation(hit).ok());
+        let evaluated = || candidate.get(at[0], at[1]).and_then(|hit| pair.evaluated(hit).ok());
         let shares = || evaluated().map_or(Shares::default(), |evaluated| evaluated.shares);
         let verdict = |cause, unbounded, detail, shares| PixelVerdict { cause, detail, unbounded, shares };
         Ok(match pair.pixel(at[0], at[1]) {

@@ -22,6 +22,7 @@ mod tally;
 mod trim;
 mod trimming;
 mod unbounded;
+mod vertex_normals;
 
 pub use attribution::NEARLY;
 pub use cause::Cause;
@@ -36,3 +37,4 @@ pub use report::{UNBOUNDED_SHARE, UNDECIDED_SHARE};
 pub use sampler::Sampler;
 pub use shares::{BINS, Histogram, Histograms, Shares};
 pub use unbounded::Unbounded;
+pub use vertex_normals::{Cell, VertexNormals};

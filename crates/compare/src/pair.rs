@@ -130,12 +130,26 @@ impl Pair<'_, '_> {
         if self.candidate.has_edges() { self.setting.edge(candidate, center) } else { Ok(None) }
     }
 
+    /// A hit's values at its own (u, v): those of the surface, or what triangles carry.
+    pub fn evaluated(&self, candidate: &Hit) -> Result<Evaluated, Difference> {
+        match &self.deviation.vertex_normals {
+            None => self.setting.evaluation(candidate),
+            Some(normals) => {
+                let face = candidate.face.0 as usize;
+                let of = |piece| self.deviation.attribute_at(face, piece);
+                let interpolated = self.setting.pieces(candidate).map(of).fold(0.0, f64::max);
+                let chord = self.edge_chord(candidate) + interpolated;
+                self.setting.carried(candidate, normals, chord, self.deviation.snap_px)
+            }
+        }
+    }
+
     /// A pixel that the candidate covers.
     ///
     /// How far away it is follows from its own (u, v), whatever distance it states: that is judged last.
     fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Failed> {
         self.setting.holds_parameters(candidate).map_err(|(reason, detail)| Failed::Unbounded(reason, detail))?;
-        let Evaluated { shares, radius } = self.setting.evaluation(candidate)?;
+        let Evaluated { shares, radius } = self.evaluated(candidate)?;
         let s = self.setting.surface_point(candidate);
         let ray = self.setting.camera.ray(self.setting.viewport, center.x, center.y);
         let along_ray = |s: DVec3| (s - ray.origin).dot(ray.direction);

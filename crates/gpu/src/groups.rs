@@ -81,7 +81,9 @@ impl Device {
 }
 
 /// Whole buffers at bindings 0, 1, 2 …
-pub fn whole<'b>(buffers: impl IntoIterator<Item = &'b wgpu::Buffer>) -> impl Iterator<Item = (u32, BindingResource<'b>)> {
+pub fn whole<'b>(
+    buffers: impl IntoIterator<Item = &'b wgpu::Buffer>,
+) -> impl Iterator<Item = (u32, BindingResource<'b>)> {
     (0..).zip(buffers.into_iter().map(|buffer| buffer.as_entire_binding()))
 }
 

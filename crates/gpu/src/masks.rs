@@ -11,10 +11,7 @@ use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
 use pipeline::mask::MaskPlan;
 use pipeline::wgsl;
-use wgpu::{
-    BlendComponent, BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat,
-    TextureUsages,
-};
+use wgpu::{BlendComponent, BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat, TextureUsages};
 
 const DRAWING: &str = "drawing the masks";
 

@@ -85,8 +85,7 @@ fn answers(
     if let Some(index) = queries.iter().position(|&(face, _)| !of_program(face)) {
         return Err(GpuError::ProbeFace { index, face: queries[index].0, program: format!("{program:?}") });
     }
-    let variant =
-        Variant { parts: PROBE, program, curvature: true, interpolated_normal: false, trims: TrimMethod::Curves };
+    let variant = Variant { parts: PROBE, program, curvature: true, vertex_normals: false, trims: TrimMethod::Curves };
     let module = device.module(program, wgsl::source(variant))?;
     let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, MaskBlend::default())?;
     let (pipeline_layout, layout) = device.guarded(PROBING, || {
@@ -146,7 +145,7 @@ mod tests {
             parts: PROBE,
             program: Program::General,
             curvature: true,
-            interpolated_normal: false,
+            vertex_normals: false,
             trims: TrimMethod::Curves,
         };
         let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();

@@ -31,7 +31,7 @@ pub struct RendererOptions<'f> {
     /// Second derivatives and principal curvatures.
     pub curvature: bool,
     /// Whether [`Renderer::shaded`] uses normals interpolated from vertices, where the technique has some. A G-buffer never does.
-    pub interpolated_normals: bool,
+    pub vertex_normals: bool,
     /// Faults, for tests of the comparer.
     pub overrides: Overrides<'f>,
 }
@@ -77,19 +77,14 @@ impl<'a> Renderer<'a> {
         drawn: &dyn Drawable,
         options: RendererOptions<'_>,
     ) -> Result<Self, GpuError> {
-        let RendererOptions { curvature, interpolated_normals, overrides } = options;
+        let RendererOptions { curvature, vertex_normals, overrides } = options;
         let buffers = SceneBuffers::new(device, scene, drawn.stages(), overrides.mask)?;
         let pass = drawn.pass(device, &buffers, overrides.depth)?;
         let mut modules = HashMap::new();
         for &program in scene.programs() {
             if let Entry::Vacant(vacant) = modules.entry(program) {
-                let variant = Variant {
-                    parts: drawn.parts(),
-                    program,
-                    curvature,
-                    interpolated_normal: interpolated_normals,
-                    trims: scene.trim_method(),
-                };
+                let variant =
+                    Variant { parts: drawn.parts(), program, curvature, vertex_normals, trims: scene.trim_method() };
                 let source = overrides.source.map_or_else(|| wgsl::source(variant), |source| source(variant));
                 vacant.insert(device.module(program, source)?);
             }

@@ -56,7 +56,7 @@ pub struct Variant {
     /// Whether second derivatives and curvatures are computed.
     pub curvature: bool,
     /// Whether shading uses the normal interpolated from the vertices instead of the fragment's own, where there are some.
-    pub interpolated_normal: bool,
+    pub vertex_normals: bool,
     /// What is done about trims.
     pub trims: TrimMethod,
 }
@@ -112,12 +112,12 @@ fn prelude(variant: Variant) -> String {
         Program::General => (MAX_ORDER as u32, "stored".to_owned()),
         Program::Degree(p) => (p + 1, format!("{p}u")),
     };
-    let Variant { curvature, interpolated_normal, trims, .. } = variant;
+    let Variant { curvature, vertex_normals, trims, .. } = variant;
     let trimmed = trims != TrimMethod::Whole;
     format!(
         "const CAPACITY: u32 = {capacity}u;\n\
          const CURVATURE: bool = {curvature};\n\
-         const INTERPOLATED_NORMAL: bool = {interpolated_normal};\n\
+         const VERTEX_NORMALS: bool = {vertex_normals};\n\
          const TRIMMED: bool = {trimmed};\n\
          fn degree(stored: u32) -> u32 {{ return {degree}; }}\n"
     )
@@ -131,13 +131,8 @@ mod tests {
     fn a_program_holds_what_its_parts_use_once_and_before_it() {
         const PARTS: &[Part] =
             &[Part { file: "own.wgsl", text: "// Own.\n// Uses output.wgsl trim.wgsl\nfn own() {}\n" }];
-        let variant = |trims| Variant {
-            parts: PARTS,
-            program: Program::General,
-            curvature: false,
-            interpolated_normal: false,
-            trims,
-        };
+        let variant =
+            |trims| Variant { parts: PARTS, program: Program::General, curvature: false, vertex_normals: false, trims };
         let files = |trims| variant(trims).assembled().iter().map(|part| part.file).collect::<Vec<_>>();
         let curves = [
             "shade.wgsl",

@@ -10,7 +10,7 @@ pub struct Options {
     pub curvature: bool,
     /// Whether a hit's normal is the one interpolated from the corners (Kanai 2007, Fig. 3, left) instead of the
     /// surface's own at the fragment, where the technique has corners. All else stays.
-    pub interpolated_normals: bool,
+    pub vertex_normals: bool,
 }
 
 /// What is drawn, and how it is seen.

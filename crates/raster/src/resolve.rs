@@ -2,12 +2,13 @@
 
 use crate::drawing::Drawing;
 use crate::rect::{Rect, TILE};
-use crate::visibility::{Run, Seen, Visibility};
+use crate::visibility::{Carried, Run, Seen, Visibility};
 use gbuffer::Hit;
 use glam::DVec3;
 use nurbs::Normal;
 use pipeline::fragment::{Fragment, fragment, fragment_row};
 use pipeline::{Parameters, edge};
+use scene::Ray;
 
 /// What a tile shows.
 pub struct Tile {
@@ -29,7 +30,7 @@ pub fn tile(drawing: &Drawing, visibility: &dyn Visibility, rect: Rect) -> Tile 
         for (i, (&pixel, fragment)) in run.pixels.iter().zip(&fragments).enumerate() {
             let (x, y) = rect.position(pixel);
             let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
-            hits[usize::from(pixel)] = Some(hit(drawing, fragment, at, run.normals.get(i).copied()));
+            hits[usize::from(pixel)] = Some(hit(drawing, fragment, at, run.carried.get(i)));
         }
         fragments.clear();
     });
@@ -39,11 +40,11 @@ pub fn tile(drawing: &Drawing, visibility: &dyn Visibility, rect: Rect) -> Tile 
 /// What is seen at a sample at picture position `at`.
 pub fn sample(drawing: &Drawing, seen: &Seen, at: [f64; 2]) -> Hit {
     let fragment = fragment(drawing.scene, seen.face, seen.place, drawing.options.curvature);
-    hit(drawing, &fragment, at, seen.normal)
+    hit(drawing, &fragment, at, seen.carried.as_ref())
 }
 
-/// What is seen at picture position `at`, with the interpolated normal in place of the fragment's where there is one.
-fn hit(drawing: &Drawing, fragment: &Fragment, at: [f64; 2], interpolated: Option<[f32; 3]>) -> Hit {
+/// What is seen at picture position `at`, with what its triangle carries in place of the surface's own where there is that.
+fn hit(drawing: &Drawing, fragment: &Fragment, at: [f64; 2], carried: Option<&Carried>) -> Hit {
     let edge = if drawing.scene.has_edges() {
         let view = &drawing.views[fragment.face as usize];
         let place = Parameters { span: fragment.span, uv: fragment.uv };
@@ -55,14 +56,31 @@ fn hit(drawing: &Drawing, fragment: &Fragment, at: [f64; 2], interpolated: Optio
         None
     };
     let fragment = &Fragment { edge, ..*fragment };
-    let mut hit = drawing.scene.hit(fragment, &drawing.camera.ray(drawing.viewport, at[0], at[1]));
-    if let Some([x, y, z]) = interpolated {
+    let ray = drawing.camera.ray(drawing.viewport, at[0], at[1]);
+    let mut hit = drawing.scene.hit(fragment, &ray);
+    if let Some(Carried { normal: [x, y, z], depth }) = carried {
         let length = (x * x + y * y + z * z).sqrt();
         hit.normal = if length > 0.0 {
             Normal::Regular(DVec3::from_array([x / length, y / length, z / length].map(f64::from)))
         } else {
             Normal::Undefined
         };
+        hit.curvature = None;
+        if let Some(t) = depth.and_then(|depth| distance(drawing, fragment.face, &ray, depth)) {
+            (hit.t, hit.position) = (t, ray.at(t));
+        }
     }
     hit
+}
+
+/// How far along a ray, model units, a point with this depth z / w is.
+fn distance(drawing: &Drawing, face: u32, ray: &Ray, depth: f32) -> Option<f64> {
+    let frame = &drawing.scene.frames()[face as usize];
+    let m = drawing.views[face as usize].clip_from_local;
+    // Where z − depth · w is 0.
+    let plane = m.map(|column| f64::from(column[2]) - f64::from(depth) * f64::from(column[3]));
+    let normal = DVec3::new(plane[0], plane[1], plane[2]);
+    let origin = (ray.origin - frame.origin) / frame.scale;
+    let t = -(normal.dot(origin) + plane[3]) / normal.dot(ray.direction) * frame.scale;
+    Some(t).filter(|t| t.is_finite())
 }

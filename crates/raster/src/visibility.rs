@@ -12,8 +12,8 @@ pub struct Run {
     pub pixels: Vec<u16>,
     /// Where each sees the face.
     pub places: Vec<Parameters>,
-    /// Interpolated normals, where they are asked for; else none.
-    pub normals: Vec<[f32; 3]>,
+    /// What the triangles there carry, where it is asked for; else none.
+    pub carried: Vec<Carried>,
 }
 
 impl Run {
@@ -24,8 +24,17 @@ impl Run {
         }
         self.pixels.clear();
         self.places.clear();
-        self.normals.clear();
+        self.carried.clear();
     }
+}
+
+/// What a flat triangle carries to a pixel, in place of the surface's own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Carried {
+    /// The interpolated normal, of any length.
+    pub normal: [f32; 3],
+    /// z / w of the triangle's point; `None` on a skirt, where the surface's own point is shown.
+    pub depth: Option<f32>,
 }
 
 /// What is drawn at a sample.
@@ -37,8 +46,8 @@ pub struct Seen {
     pub place: Parameters,
     /// z / w: the greater is the nearer.
     pub depth: f32,
-    /// The interpolated normal, where it is asked for.
-    pub normal: Option<[f32; 3]>,
+    /// What its triangle carries, where it is asked for.
+    pub carried: Option<Carried>,
 }
 
 /// How a technique finds who is seen.

@@ -285,7 +285,7 @@ fn the_nearer_plate_is_seen_whichever_comes_first() {
 fn any_number_of_threads_gives_the_same_bits() {
     let camera = look([1.0, -0.5, 0.7], [0.5, 0.5, 0.0], WIDE);
     let setting = Setting::new(vec![waves(), waves()], camera, [333, 201], None);
-    let options = Options { curvature: true, interpolated_normals: false };
+    let options = Options { curvature: true, vertex_normals: false };
     let render = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| setting.render(options))
@@ -304,9 +304,9 @@ fn a_sampler_at_pixel_centres_is_the_picture() {
     // The eye above the middle of the sheet, so that triangles are clipped too; two equal sheets, so that depths tie.
     let cameras = [look([1.0, -0.5, 0.7], [0.5, 0.5, 0.0], WIDE), look([0.5, 0.5, 0.3], [0.6, 1.0, 0.1], WIDE)];
     for camera in cameras {
-        for interpolated_normals in [false, true] {
+        for vertex_normals in [false, true] {
             let setting = Setting::new(vec![waves(), waves()], camera, [150, 90], None);
-            let raster = setting.raster(Options { curvature: true, interpolated_normals });
+            let raster = setting.raster(Options { curvature: true, vertex_normals });
             let buffer = raster.render(setting.meta(), &|_| {});
             assert!(buffer.covered() > 1_500);
             let sampler = raster.sampler();
@@ -354,20 +354,22 @@ fn a_sampler_between_centres_sees_what_stands_there() {
 }
 
 #[test]
-fn interpolated_normals_come_from_the_corners_and_nothing_else_changes() {
+fn vertex_normals_come_with_the_triangles_points_and_nothing_else_changes() {
     let camera = look([1.0, -0.5, 0.7], [0.5, 0.5, 0.0], WIDE);
     let setting = Setting::new(vec![waves()], camera, [96, 64], Some(4));
     let own = setting.render(Options::default());
-    let interpolated = setting.render(Options { interpolated_normals: true, ..Options::default() });
-    let mut widest = 0.0f64;
+    let interpolated = setting.render(Options { vertex_normals: true, ..Options::default() });
+    let (mut widest, mut farthest) = (0.0f64, 0.0f64);
     for (a, b) in own.pixels().flatten().zip(interpolated.pixels().flatten()) {
         let (n, m) = (a.normal.unit().unwrap(), b.normal.unit().unwrap());
         assert!((m.length() - 1.0).abs() < 1e-6);
         widest = widest.max(n.distance(m));
-        assert_eq!(Hit { normal: a.normal, ..*b }, *a);
+        assert_eq!(Hit { normal: a.normal, position: a.position, t: a.t, curvature: a.curvature, ..*b }, *a);
+        // The triangle's point is on the pixel's ray, and off the surface by the chord.
+        farthest = farthest.max(a.position.distance(b.position));
     }
     // Four cells over a wave: the corners' normals cannot follow it.
-    assert!(widest > 0.1, "{widest}");
+    assert!(widest > 0.1 && farthest > 0.01 && farthest < 0.3, "{widest} {farthest}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ pub use tessellation::Tessellation;
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::Claims;
+use compare::{Cell, Claims};
 use pipeline::PackedScene;
 use pipeline::wgsl::Part;
 use raster::Drawing;
@@ -64,6 +64,10 @@ impl Prepared for Tessellation {
 
     fn chord(&self) -> &[Vec<f64>] {
         &self.chord
+    }
+
+    fn cells(&self) -> &[Vec<Cell>] {
+        self.normal_cells()
     }
 
     fn built_px(&self) -> Option<f64> {

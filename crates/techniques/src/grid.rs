@@ -20,7 +20,7 @@ pub use grids::{Grids, Picture};
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::Claims;
+use compare::{Cell, Claims};
 use pipeline::wgsl::Part;
 use raster::Drawing;
 use raster::visibility::Visibility;
@@ -62,6 +62,10 @@ impl Prepared for Grids {
 
     fn chord(&self) -> &[Vec<f64>] {
         &self.chord
+    }
+
+    fn cells(&self) -> &[Vec<Cell>] {
+        &self.cells
     }
 
     fn built_px(&self) -> Option<f64> {

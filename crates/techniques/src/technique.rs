@@ -1,7 +1,7 @@
 //! What a technique is to all others.
 
 use crate::error::PrepareError;
-use compare::Claims;
+use compare::{Cell, Claims};
 use gpu::Drawable;
 use pipeline::PackedScene;
 use pipeline::wgsl::Part;
@@ -83,6 +83,12 @@ pub trait Prepared: Drawable {
     /// For each face and each of its Bézier pieces, row-major in u, the greatest distance in model units from a point of a
     /// flat triangle to S at its parameters; empty where no flat triangle is shown.
     fn chord(&self) -> &[Vec<f64>] {
+        &[]
+    }
+
+    /// For each face and each of its Bézier pieces, as [`Self::chord`], the cells that it is cut into: what may be said of normals that
+    /// are interpolated over triangles. Empty where no triangle has corners on the surface.
+    fn cells(&self) -> &[Vec<Cell>] {
         &[]
     }
 

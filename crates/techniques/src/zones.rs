@@ -13,7 +13,7 @@ use crate::error::PrepareError;
 use crate::grid::Grids;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::Claims;
+use compare::{Cell, Claims};
 use pipeline::wgsl::Part;
 use raster::Drawing;
 use raster::visibility::Visibility;
@@ -55,6 +55,10 @@ impl Prepared for Zones {
 
     fn chord(&self) -> &[Vec<f64>] {
         &self.grids.chord
+    }
+
+    fn cells(&self) -> &[Vec<Cell>] {
+        &self.grids.cells
     }
 
     fn built_px(&self) -> Option<f64> {

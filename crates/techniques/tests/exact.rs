@@ -12,7 +12,7 @@ fn module() -> Module {
         parts: Exact.parts(),
         program: Program::General,
         curvature: true,
-        interpolated_normal: false,
+        vertex_normals: false,
         trims: TrimMethod::Curves,
     };
     naga::front::wgsl::parse_str(&wgsl::source(variant)).expect("legal")

@@ -234,7 +234,7 @@ impl Pixel<'_> {
 
     /// The second layer under the pixel, where it is far behind the first.
     fn farther(&self) -> Option<Hit> {
-        let rasterizer = self.stage.rasterizer(Options { curvature: true, interpolated_normals: false });
+        let rasterizer = self.stage.rasterizer(Options { curvature: true, vertex_normals: false });
         let [x, y] = self.at.map(|t| t as f64 + 0.5);
         let behind = self.hit.t + 0.1 * self.surface.hull().diagonal();
         rasterizer.sampler().layers(x, y).into_iter().find(|hit| hit.t > behind).filter(|_| self.is_inside())

@@ -64,7 +64,7 @@ impl<'a> Frames<'a> {
     pub fn on_cpu(&self) -> f64 {
         let Self { scene, prepared, viewport, .. } = self;
         let (camera, views) = (&self.cameras[0], &self.views[0]);
-        let options = raster::Options { curvature: false, interpolated_normals: false };
+        let options = raster::Options { curvature: false, vertex_normals: false };
         let meta = gbuffer::Meta::new("raster", self.technique.name(), self.model, camera);
         let start = Instant::now();
         let drawing = raster::Drawing { scene, views, camera, viewport: *viewport, options };

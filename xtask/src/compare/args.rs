@@ -70,6 +70,9 @@ pub struct DrawingArgs {
     /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are allowed
     #[arg(long, visible_alias = "error", value_name = "PX", default_value_t = DEFAULT_CHORD_PX, value_parser = number::error_px, allow_hyphen_values = true)]
     chord: f64,
+    /// Where normals are evaluated: at each pixel, or at the corners of triangles and interpolated
+    #[arg(long, value_enum, default_value = "fragment")]
+    normals: Normals,
     /// The share of covered pixels that may have no verdict for want of a bound, as poles have none; from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE, value_parser = number::share, allow_hyphen_values = true)]
     unbounded: f64,
@@ -84,6 +87,15 @@ enum SchemeName {
     Specialised,
     /// Each face its own degrees
     General,
+}
+
+/// Where normals are evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Normals {
+    /// The surface's own at each pixel
+    Fragment,
+    /// Interpolated from the corners, with the flat triangle's point, as tessellators draw (Geiger, Concheiro)
+    Vertex,
 }
 
 /// A kind of shading, by name.
@@ -136,6 +148,7 @@ impl DrawingArgs {
             chord_px: self.chord,
             trim: self.trim.trimming(),
             edges: false,
+            vertex_normals: self.normals == Normals::Vertex,
             unbounded_share: self.unbounded,
         }
     }

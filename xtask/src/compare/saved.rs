@@ -144,6 +144,11 @@ impl SavedFile {
                 Trimming::Texture(MaskOptions { quality: MaskQuality::Error { px }, ..MaskOptions::default() })
             }
         };
+        if plan.vertex_normals {
+            bail!(
+                "--normals vertex is judged on triangles that are made here; a saved G-buffer is judged by the surface's own normals"
+            );
+        }
         Ok(Plan { trim, ..plan })
     }
 

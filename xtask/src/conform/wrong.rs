@@ -84,7 +84,7 @@ pub fn wrong(stage: &Stage, drawn: &GBuffer) -> Result<Vec<Wrong>> {
     for (shift, name) in SHIFTS {
         made.push((name, changed(stage, |x, y| at(x.checked_sub(shift)?, y))));
     }
-    let rasterizer = stage.rasterizer(raster::Options { curvature: true, interpolated_normals: false });
+    let rasterizer = stage.rasterizer(raster::Options { curvature: true, vertex_normals: false });
     let sampler = rasterizer.sampler();
     let layers = |x: usize, y: usize| sampler.layers(x as f64 + 0.5, y as f64 + 0.5);
     let far: Vec<Option<Hit>> = (0..stage.viewport.pixels()).map(|i| layers(i % width, i / width).pop()).collect();

@@ -110,7 +110,7 @@ impl Mutant {
             parts: tried_by(self.part()).parts(),
             program: Program::Degree(3),
             curvature: true,
-            interpolated_normal: false,
+            vertex_normals: false,
             trims: TrimMethod::CurvesWithEdges,
         }))
     }
@@ -179,7 +179,7 @@ mod tests {
             parts: technique.parts(),
             program: Program::General,
             curvature: true,
-            interpolated_normal: false,
+            vertex_normals: false,
             trims: TrimMethod::CurvesWithEdges,
         };
         for technique in techniques::ALL.iter().copied() {

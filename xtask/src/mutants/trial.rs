@@ -60,7 +60,7 @@ impl<'s> Trial<'s> {
         }
         let caster = Caster::new(&shown.model).with_edges(shown.plan.edges);
         let reference = if shown.vertex_normals {
-            let options = raster::Options { curvature: false, interpolated_normals: true };
+            let options = raster::Options { curvature: false, vertex_normals: true };
             let buffer = stage.rasterizer(options).render(stage.meta("raster"), &|_| {});
             // The GPU's program computes none either, and must say so.
             let plain = |hit: Option<&Hit>| hit.map(|hit| Hit { curvature: None, ..*hit });
@@ -110,8 +110,8 @@ impl<'s> Trial<'s> {
         let Stage { scene, prepared, views, camera, viewport, .. } = &self.stage;
         let shading = Shading::new(self.shown.shade);
         let uniform = shading.uniform(camera, self.shown.model.hull().diagonal());
-        let interpolated_normals = self.shown.vertex_normals;
-        let options = gpu::RendererOptions { curvature: !interpolated_normals, interpolated_normals, overrides };
+        let vertex_normals = self.shown.vertex_normals;
+        let options = gpu::RendererOptions { curvature: !vertex_normals, vertex_normals, overrides };
         let refused = |error: gpu::GpuError| Ok(Some(self.caught(REFUSED, error.to_string())));
         let mut renderer = match gpu::Renderer::new(device, scene, &**prepared, options) {
             Ok(renderer) => renderer,

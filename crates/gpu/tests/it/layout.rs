@@ -14,10 +14,10 @@ fn variants() -> Vec<Variant> {
     let mut all = vec![];
     for program in [Program::General].into_iter().chain((3..=15).step_by(2).map(Program::Degree)) {
         for curvature in [false, true] {
-            for interpolated_normal in [false, true] {
+            for vertex_normals in [false, true] {
                 for trims in TrimMethod::ALL {
                     let parts = techniques::ALL.iter().map(|technique| technique.parts()).chain([gpu::PROBE]);
-                    all.extend(parts.map(|parts| Variant { parts, program, curvature, interpolated_normal, trims }));
+                    all.extend(parts.map(|parts| Variant { parts, program, curvature, vertex_normals, trims }));
                 }
             }
         }
@@ -152,6 +152,6 @@ fn a_prelude_fixes_what_its_variant_says() {
         };
         assert_eq!(constant(&module, "CAPACITY"), Literal::U32(capacity));
         assert_eq!(constant(&module, "CURVATURE"), Literal::Bool(variant.curvature));
-        assert_eq!(constant(&module, "INTERPOLATED_NORMAL"), Literal::Bool(variant.interpolated_normal));
+        assert_eq!(constant(&module, "VERTEX_NORMALS"), Literal::Bool(variant.vertex_normals));
     }
 }

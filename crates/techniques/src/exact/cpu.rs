@@ -112,7 +112,7 @@ impl Samples for Positions<'_> {
             match self.searches.look(piece, [x as f32, y as f32]) {
                 Outcome::Hit { uv, depth } if depth > 0.0 => {
                     let PieceRecord { face, span_u, span_v, .. } = self.searches.pieces[piece];
-                    Some(Seen { face, place: Parameters { span: [span_u, span_v], uv }, normal: None, depth })
+                    Some(Seen { face, place: Parameters { span: [span_u, span_v], uv }, carried: None, depth })
                 }
                 _ => None,
             }

@@ -342,7 +342,7 @@ mod tests {
             parts: PARTS,
             program: Program::Degree(3),
             curvature: false,
-            interpolated_normal: false,
+            vertex_normals: false,
             trims: TrimMethod::Whole,
         };
         let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();

@@ -3,6 +3,7 @@
 use crate::triangles::REFINED_TRIANGLES;
 use crate::triangles::bounds::Bounds;
 use crate::triangles::patches::{patches_on, spans_of};
+use compare::Cell;
 use nurbs::{DerivativeBounds, Surface};
 use pipeline::PackedFrame;
 use scene::Region;
@@ -18,6 +19,22 @@ pub(super) enum Cells {
     OfSpans([Vec<Vec<usize>>; 2]),
     /// The whole domain, in both directions alike.
     OfDomain(usize),
+}
+
+impl Cells {
+    /// The greatest cell of each Bézier piece. Those of the whole domain run across pieces, and nothing is known of them.
+    pub(super) fn greatest(&self, bounds: &Bounds) -> Vec<Cell> {
+        let of_piece = |index: usize| match self {
+            Self::OfDomain(_) => Cell { size: [f64::INFINITY; 2], is_aligned: false },
+            Self::OfSpans(spans) => {
+                let on = bounds.spans(index);
+                let parts = [0, 1].map(|k| &spans[k][on[k]]);
+                let size = parts.map(|parts| 1.0 / (parts.len() * parts.iter().min().copied().unwrap_or(1)) as f64);
+                Cell { size, is_aligned: parts.iter().all(|parts| parts.len() == 1) }
+            }
+        };
+        (0..bounds.patches.len()).map(of_piece).collect()
+    }
 }
 
 /// What a face asks of its tessellation.

@@ -108,6 +108,10 @@ pub(super) fn mesh(model: &Model, scene: &PackedScene, id: usize, grids: &[Grid]
     grids.iter().flat_map(of_grid).collect()
 }
 
+/// A normal is taken from tangents that are longer, across the span, than this share of the face, and whose angle's sine is greater; else
+/// from a closer look.
+const CLEAR: f64 = 1e-9;
+
 /// A vertex of a face.
 pub(super) fn corner(model: &Model, scene: &PackedScene, id: usize, at: Parameters) -> Vertex {
     let surface = model.surface(FaceId(id as u32));
@@ -123,8 +127,11 @@ pub(super) fn corner(model: &Model, scene: &PackedScene, id: usize, at: Paramete
     };
     let d = surface.first_derivatives(uv.x, uv.y);
     let cross = d.su.cross(d.sv);
+    // On a side that is a point, rounding leaves a tangent of no direction.
+    let way = (d.su.length() * length.x).min(d.sv.length() * length.y);
+    let is_clear = way > CLEAR * frame.scale && cross.length() > CLEAR * d.su.length() * d.sv.length();
     let normal = match cross.try_normalize() {
-        Some(n) if cross.length() > 1e-9 * d.su.length() * d.sv.length() => n,
+        Some(n) if is_clear => n,
         _ => surface.inspect(uv.x, uv.y).normal.unit().unwrap_or_default(),
     };
     let normal = if model.faces()[id].reversed { -normal } else { normal };

@@ -7,6 +7,7 @@ use crate::triangles::bounds::Bounds;
 use crate::triangles::frustum::pixels;
 use crate::triangles::patches::spans_of;
 use crate::triangles::{REFINED_TRIANGLES, SKIRT_PX, cell};
+use compare::Cell;
 use nurbs::Surface;
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Parameters, SEARCHED, Vertex, in_drawing_order};
 use rayon::prelude::*;
@@ -24,6 +25,8 @@ pub struct Tessellation {
     pub built_px: f64,
     /// How each face is cut into cells.
     cells: Vec<Cells>,
+    /// The greatest cell of each piece.
+    normal_cells: Vec<Vec<Cell>>,
 }
 
 impl Tessellation {
@@ -152,7 +155,14 @@ impl Tessellation {
             }
             all.batch(scene.programs()[id], first);
         }
-        Some(Self { mesh: all, chord, built_px, cells })
+        let greatest = |(cells, bounds): (&Cells, &&Bounds)| cells.greatest(bounds);
+        let normal_cells = cells.iter().zip(bounds).map(greatest).collect();
+        Some(Self { mesh: all, chord, built_px, cells, normal_cells })
+    }
+
+    /// For each face and each of its Bézier pieces the greatest cell.
+    pub fn normal_cells(&self) -> &[Vec<Cell>] {
+        &self.normal_cells
     }
 
     /// Moves the corners of a face with its surface, at the parameters that they have: after an edit nothing is tessellated

@@ -168,7 +168,11 @@ impl Buffers {
             measures: device.storage("measures of grids", bytemuck::cast_slice(&grids.measures))?,
             marks: device.empty("levels of borders", 4 * (4 * count + faces).max(1))?,
             counts: device.empty("numbers of tiles", 4 * (counts + 1 + counts.div_ceil(u64::from(BLOCK))))?,
-            calls: device.buffer("draw calls", BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC, calls)?,
+            calls: device.buffer(
+                "draw calls",
+                BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC,
+                calls,
+            )?,
             indices: device.buffer("corners of tiles", BufferUsages::INDEX, bytemuck::cast_slice(&all))?,
             numbers: device.buffer("numbers of draw calls", BufferUsages::UNIFORM, bytemuck::cast_slice(&numbers))?,
         })
@@ -339,7 +343,7 @@ mod tests {
             parts: PARTS,
             program: Program::Degree(3),
             curvature: false,
-            interpolated_normal: false,
+            vertex_normals: false,
             trims: TrimMethod::Whole,
         };
         let module = naga::front::wgsl::parse_str(&source(variant)).unwrap();
@@ -418,7 +422,7 @@ mod tests {
         let mut generator = Generator::new(device, grids).unwrap();
         let program = scene.programs()[0];
         let trims = scene.trim_method();
-        let variant = Variant { parts: PARTS, program, curvature: false, interpolated_normal: false, trims };
+        let variant = Variant { parts: PARTS, program, curvature: false, vertex_normals: false, trims };
         let modules = Modules::from([(program, device.module(program, source(variant)).unwrap())]);
         generator.prepare(device, &buffers.layouts, &modules).unwrap();
         loop {

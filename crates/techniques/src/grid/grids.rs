@@ -9,6 +9,7 @@ use crate::error::PrepareError;
 use crate::triangles::bounds::{part_counts, parts_of};
 use crate::triangles::patches::spans_of;
 use crate::triangles::{REFINED_TRIANGLES, cell};
+use compare::Cell;
 use nurbs::{BezierPatch, DerivativeBounds, Hull, Surface};
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Program, RATIONAL, Vertex, View};
 use rayon::prelude::*;
@@ -35,6 +36,8 @@ pub struct Grids {
     /// For each face and each of its Bézier pieces the greatest distance in model units from a point of a flat triangle to S at
     /// its parameters.
     pub chord: Vec<Vec<f64>>,
+    /// Of each of them the greatest cell.
+    pub cells: Vec<Vec<Cell>>,
 }
 
 /// The grids of one picture; none by default.
@@ -163,10 +166,15 @@ impl Grids {
         }
         let surfaces: Vec<SurfaceParts> = model.surfaces().par_iter().map(SurfaceParts::new).collect();
         let faces = faces(model, scene, &surfaces);
-        let joints =
-            Joints::new(&faces.iter().map(|face| face.parts(model, scene)).collect::<Vec<_>>(), model.hull().diagonal());
-        let mut placed: Vec<Placed> =
-            faces.par_iter().enumerate().flat_map_iter(|(index, face)| face.placed(model, scene, &joints, index)).collect();
+        let joints = Joints::new(
+            &faces.iter().map(|face| face.parts(model, scene)).collect::<Vec<_>>(),
+            model.hull().diagonal(),
+        );
+        let mut placed: Vec<Placed> = faces
+            .par_iter()
+            .enumerate()
+            .flat_map_iter(|(index, face)| face.placed(model, scene, &joints, index))
+            .collect();
         // Within a program in the order of faces.
         placed.sort_by_key(|placed| scene.programs()[placed.record.face as usize]);
         let records: Vec<GridRecord> = placed.iter().map(|placed| placed.record).collect();
@@ -190,6 +198,7 @@ impl Grids {
         };
         grids.picture = grids.seen(scene, &grids.views);
         grids.chord = chords(scene, &placed, &chosen);
+        grids.cells = cells(scene, &placed, &chosen);
         Ok(grids)
     }
 
@@ -303,7 +312,8 @@ fn skirts(model: &Model, scene: &PackedScene, id: FaceId, part: &Part) -> u32 {
         let is_first = part.span[k] == 0 && part.from[k] == 0.0;
         let is_last = part.span[k] as usize + 2 == breaks[k].len() && part.from[k] + part.size[k] == 1.0;
         // How far from the side the region stays.
-        let (is_outer, away) = if side % 2 == 0 { (is_first, hull.min[k] - start) } else { (is_last, end - hull.max[k]) };
+        let (is_outer, away) =
+            if side.is_multiple_of(2) { (is_first, hull.min[k] - start) } else { (is_last, end - hull.max[k]) };
         let reaches = |level: &u32| is_outer && away <= (end - start) / f64::from(1u32 << level);
         (0..=GREATEST_LEVEL).take_while(reaches).count() as u32
     };
@@ -320,6 +330,20 @@ fn programs(scene: &PackedScene, records: &[GridRecord]) -> Vec<(Program, Range<
         (program(&run[0]), grids)
     };
     records.chunk_by(|a, b| program(a) == program(b)).map(of_run).collect()
+}
+
+/// The greatest cell of each Bézier piece of each face, by the levels that each patch asks for alone; none where a face does not
+/// come to.
+fn cells(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> Vec<Vec<Cell>> {
+    let none = Cell { size: [0.0; 2], is_aligned: true };
+    let mut cells: Vec<Vec<Cell>> = scene.frames().iter().map(|frame| vec![none; frame.pieces()]).collect();
+    for (Placed { record, measured, .. }, Chosen { level, .. }) in placed.iter().zip(chosen) {
+        let of_piece = &mut cells[record.face as usize][measured.patch].size;
+        for k in 0..2 {
+            of_piece[k] = of_piece[k].max(f64::from(record.size[k]) / f64::from(1u32 << level[k]));
+        }
+    }
+    cells
 }
 
 /// The chord of each Bézier piece of each face; 0 where the face does not come to.

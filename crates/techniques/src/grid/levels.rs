@@ -122,8 +122,7 @@ pub fn settled(
             settled.sides = OUT;
             return settled;
         }
-        settled.level =
-            [chosen.level[0].max(levels[2]).max(levels[3]), chosen.level[1].max(levels[0]).max(levels[1])];
+        settled.level = [chosen.level[0].max(levels[2]).max(levels[3]), chosen.level[1].max(levels[0]).max(levels[1])];
         settled.sides = (0..4)
             .filter(|side| settled.level[side / 2] < measure.skirts >> (8 * side) & 255)
             .fold(0, |sides, side| sides | LOW_U << side);

@@ -63,9 +63,9 @@ pub fn tiles(record: &GridRecord, size: [u32; 2]) -> impl Iterator<Item = [u32; 
     let pairs = rows.into_iter().flat_map(move |row| columns.map(|column| [row, column]));
     let of_size = move |pair: &[Band; 2]| (0..2).all(|k| pair[k].side == size[k]);
     let starts = |band: Band| (band.start..band.start + band.length).step_by(1 << band.side);
-    pairs.filter(of_size).flat_map(move |[row, column]| {
-        starts(row).flat_map(move |i| starts(column).map(move |j| [i, j]))
-    })
+    pairs
+        .filter(of_size)
+        .flat_map(move |[row, column]| starts(row).flat_map(move |i| starts(column).map(move |j| [i, j])))
 }
 
 /// All tiles of grids in drawing order; `programs` holds those of each program.

@@ -9,7 +9,7 @@ use raster::depth::DepthTile;
 use raster::geometry::Geometry;
 use raster::rect::Rect;
 use raster::setup::Triangle;
-use raster::visibility::{Run, Samples, Seen, Visibility, of_pixel};
+use raster::visibility::{Carried, Run, Samples, Seen, Visibility, of_pixel};
 use std::borrow::Cow;
 
 /// Triangles in the picture.
@@ -79,11 +79,12 @@ impl Visibility for Triangles<'_> {
             for &pixel in seen {
                 let (x, y) = rect.position(pixel);
                 let weights = triangle.weights(x, y);
-                let uv = triangle.interpolate(weights, attributes.uv);
-                let place = Parameters { span: attributes.span, uv };
-                run.places.push(cut::shown(drawing, attributes.face, place, [x as f32 + 0.5, y as f32 + 0.5]));
-                if drawing.options.interpolated_normals {
-                    run.normals.push(triangle.interpolate(weights, attributes.normal));
+                let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
+                let shown = cut::shown(drawing, attributes.face, place, [x as f32 + 0.5, y as f32 + 0.5]);
+                run.places.push(shown);
+                if drawing.options.vertex_normals {
+                    let depth = (shown == place).then(|| triangle.depth(weights));
+                    run.carried.push(Carried { normal: triangle.interpolate(weights, attributes.normal), depth });
                 }
             }
             run.pixels.extend_from_slice(seen);
@@ -116,11 +117,17 @@ impl Samples for Positions<'_> {
             let weights = triangle.weights(pixel[0], pixel[1]);
             let depth = triangle.depth(weights);
             let attributes = geometry.attributes(id);
-            let normal = drawing.options.interpolated_normals.then(|| triangle.interpolate(weights, attributes.normal));
             let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
             let (face, at) = (attributes.face, [x as f32, y as f32]);
             let is_drawn = depth > 0.0 && cut::is_drawn(drawing, face, place, at);
-            is_drawn.then(|| Seen { face, place: cut::shown(drawing, face, place, at), normal, depth })
+            is_drawn.then(|| {
+                let shown = cut::shown(drawing, face, place, at);
+                let carried = drawing.options.vertex_normals.then(|| Carried {
+                    normal: triangle.interpolate(weights, attributes.normal),
+                    depth: (shown == place).then_some(depth),
+                });
+                Seen { face, place: shown, carried, depth }
+            })
         };
         self.bins.of_pixel(column, row).iter().filter_map(interpolated).collect()
     }

@@ -34,12 +34,7 @@ pub trait Feed: Clone + Sized + 'static {
     ///
     /// # Errors
     /// As of [`Pass::prepare`].
-    fn prepare(
-        &mut self,
-        _device: &Device,
-        _scene: &SceneLayouts,
-        _modules: &Modules,
-    ) -> Result<(), GpuError> {
+    fn prepare(&mut self, _device: &Device, _scene: &SceneLayouts, _modules: &Modules) -> Result<(), GpuError> {
         Ok(())
     }
 

@@ -7,7 +7,7 @@ use gpu::groups::{READ, UNIFORM_AT, WRITE, part, whole};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, SceneLayouts};
 use pipeline::Program;
 use pipeline::wgsl::Part;
-use std::collections::HashMap;
+use std::collections::hash_map::{Entry, HashMap};
 use wgpu::{BufferUsages, RenderPass, RenderPipeline, ShaderStages};
 
 /// The technique's name.
@@ -104,11 +104,10 @@ impl Feed for Generator {
         let layout = device
             .guarded("setting up", || device.pipeline_layout("zones", &[Some(&scene.scene), Some(&self.layout)]))?;
         for (&program, module) in modules {
-            if !self.kernels.contains_key(&program) {
+            if let Entry::Vacant(vacant) = self.kernels.entry(program) {
                 let compile = |kernel| device.kernel(&layout, (program, module), kernel, &[]);
                 let [find, tessellate] = KERNELS;
-                let kernels = [compile(find)?, compile(tessellate)?];
-                self.kernels.insert(program, kernels);
+                vacant.insert([compile(find)?, compile(tessellate)?]);
             }
         }
         Ok(())
@@ -169,7 +168,7 @@ mod tests {
             parts: PARTS,
             program: Program::Degree(3),
             curvature: false,
-            interpolated_normal: false,
+            vertex_normals: false,
             trims: TrimMethod::Whole,
         };
         let module = naga::front::wgsl::parse_str(&source(variant)).unwrap();

@@ -1,0 +1,171 @@
+//! What a pixel may show of a flat triangle whose corners carry normals, as the papers draw: the triangle's point and the
+//! interpolated normal, in place of the surface's own.
+//!
+//! The point is within the chord of S at the pixel's own (u, v). The normal is a mixture of three normals of the surface, taken at
+//! the corners of one cell. A cone that holds all normals of the cell holds any mixture, and S's own normal, too
+//! ([`nurbs::BezierPatch::normal_cone`]).
+
+use crate::difference::Difference;
+use crate::evaluation::Evaluated;
+use crate::setting::Setting;
+use crate::{Cause, Shares, Unbounded};
+use gbuffer::Hit;
+use glam::DVec3;
+use nurbs::{BezierPatch, Cone};
+use rayon::prelude::*;
+use scene::Model;
+use std::sync::Arc;
+
+/// The cells that a technique has cut a Bézier piece into.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// The greatest cell along u and along v, as shares of the piece.
+    pub size: [f64; 2],
+    /// Whether cells of that size tile the piece from its start on, and all smaller ones lie in one of them.
+    pub is_aligned: bool,
+}
+
+/// A cone whose sine comes to this says nothing: a normal may then be 30° off its axis.
+pub const WIDEST: f64 = 0.5;
+
+/// Rounding of a normal in f32: its evaluation at corners (a thousandth of a degree by the proven intervals of surfaces that are not
+/// degenerate), interpolation, and the division by its length.
+pub const NORMAL_ROUNDING: f64 = 1.0 / (1 << 15) as f64;
+
+/// Parameters that f32 interpolates may be beyond their cell by this share of the piece.
+const BEYOND: f64 = 1.0 / (1 << 18) as f64;
+
+/// A triangle that is followed beyond its edges by more than its own size says nothing: bounds grow by twice the way.
+const MOST_FOLLOWED: f64 = 3.0;
+
+/// Rounding of the triangle's point, in units of 2⁻²⁴ of its distance and the model's size: its depth is interpolated.
+const POINT_ULPS: f64 = 16.0;
+
+/// Cells of all pieces, with the pieces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VertexNormals {
+    /// Of each surface.
+    pieces: Arc<Vec<Vec<BezierPatch>>>,
+    /// Of each face.
+    surfaces: Vec<usize>,
+    cells: Vec<Vec<Cell>>,
+}
+
+impl VertexNormals {
+    /// Those of a model; for each face and each of its pieces a cell, or none for a face of which nothing is known.
+    pub fn new(model: &Model, cells: &[Vec<Cell>]) -> Self {
+        Self {
+            pieces: Arc::new(model.surfaces().par_iter().map(|surface| surface.bezier_patches()).collect()),
+            surfaces: model.faces().iter().map(|face| face.surface).collect(),
+            cells: cells.to_vec(),
+        }
+    }
+
+    /// A cone that holds what the triangles of the cell about parameters `at` of a piece, each 0 … 1, may carry there and `beside`.
+    fn cone(&self, face: usize, piece: usize, at: [f64; 2], beside: [f64; 2]) -> Option<Cone> {
+        let Cell { size, is_aligned } = *self.cells.get(face)?.get(piece)?;
+        let patch = &self.pieces[self.surfaces[face]][piece];
+        let rectangle = [0, 1].map(|k| {
+            // On a border it may be the skirt's nearest point, from beside the cell.
+            let [low, high] = if is_aligned && at[k] > 0.0 && at[k] < 1.0 {
+                let first = (at[k] / size[k] - BEYOND).floor();
+                let last = (at[k] / size[k] + BEYOND).floor();
+                [first * size[k], (last + 1.0) * size[k]]
+            } else {
+                [at[k] - size[k], at[k] + size[k]]
+            };
+            let [start, end] = patch.domain[k];
+            let wide = BEYOND + beside[k];
+            [low - wide, high + wide].map(|t| start + (end - start) * t.clamp(0.0, 1.0))
+        });
+        let is_whole = size.iter().all(|size| *size <= 1.0) && rectangle.iter().all(|[low, high]| low < high);
+        if is_whole { patch.part(rectangle).normal_cone() } else { None }
+    }
+}
+
+impl Setting<'_> {
+    /// Checks what a triangle carries to a hit; `chord` is how far its point may be from S, model units, and `snap_px` how far beside
+    /// its triangle the pixel's centre may be.
+    pub(crate) fn carried(
+        &self,
+        hit: &Hit,
+        normals: &VertexNormals,
+        chord: f64,
+        snap_px: f64,
+    ) -> Result<Evaluated, Difference> {
+        if !hit.uv.is_finite() || !hit.position.is_finite() {
+            let detail = format!("(u, v) = {}, S = {}", hit.uv, hit.position);
+            return Err(Difference::new(self.attribution.of_position(hit, f64::INFINITY), f64::INFINITY, detail));
+        }
+        let s = self.surface_point(hit);
+        let face = hit.face.0 as usize;
+        let pieces: Vec<usize> = self.pieces(hit).collect();
+        let at = |piece: usize| {
+            let patch = &normals.pieces[normals.surfaces[face]][piece];
+            [0, 1].map(|k| {
+                let [start, end] = patch.domain[k];
+                ((hit.uv[k] - start) / (end - start)).clamp(0.0, 1.0)
+            })
+        };
+        // Snapping may leave the pixel's centre outside its triangle, whose plane is then followed so far.
+        let beside = |piece: usize| self.beside(hit, s, snap_px, &normals.pieces[normals.surfaces[face]][piece].domain);
+        let followed = |piece: &usize| {
+            let (Some(cell), beside) = (normals.cells.get(face).and_then(|cells| cells.get(*piece)), beside(*piece))
+            else {
+                return f64::INFINITY;
+            };
+            (0..2).map(|k| beside[k] / cell.size[k]).fold(0.0, f64::max)
+        };
+        let followed = 1.0 + 2.0 * pieces.iter().map(followed).fold(0.0, f64::max);
+        let evaluated = |shares| Ok(Evaluated { shares, radius: 0.0 });
+        // Seen edge-on, or on a sliver of a cell.
+        let is_beside = followed <= MOST_FOLLOWED;
+        if !is_beside {
+            return evaluated(Shares { unbounded: Some(Unbounded::Interpolation), ..Shares::default() });
+        }
+        let allowed = chord * followed + POINT_ULPS / (1u64 << 24) as f64 * (hit.t.abs() + self.size);
+        let off = hit.position.distance(s);
+        if off > allowed {
+            let detail = format!("the triangle's point is {off:.3e} from S(u, v); {allowed:.3e} are allowed");
+            return Err(Difference::new(self.attribution.of_position(hit, off / allowed), off / allowed, detail));
+        }
+        let mut shares = Shares { position: Some(off / allowed), ..Shares::default() };
+        let cone = |piece: &usize| normals.cone(face, *piece, at(*piece), beside(*piece));
+        let cones: Vec<Option<Cone>> = pieces.iter().map(cone).collect();
+        let is_useful = |cone: &Option<Cone>| cone.is_some_and(|cone| cone.sine * followed < WIDEST);
+        let Some(normal) = hit.normal.unit().filter(|_| cones.iter().all(is_useful)) else {
+            if hit.normal.unit().is_none() && cones.iter().all(is_useful) {
+                let detail = "no normal where the corners have some".to_owned();
+                return Err(Difference::new(Cause::DegenerateNormal, f64::INFINITY, detail));
+            }
+            shares.unbounded = Some(Unbounded::Normal);
+            return evaluated(shares);
+        };
+        if !normal.is_finite() || (normal.length() - 1.0).abs() > NORMAL_ROUNDING {
+            let cause = if normal.is_finite() { Cause::NormalLength } else { Cause::NotFinite };
+            return Err(Difference::new(cause, f64::INFINITY, format!("the normal's length is {}", normal.length())));
+        }
+        let reversed = self.model.faces()[face].reversed;
+        let share = |cone: &Cone| {
+            let axis = if reversed { -cone.axis } else { cone.axis };
+            let sine = if normal.dot(axis) > 0.0 { normal.cross(axis).length() } else { 1.0 };
+            sine / (cone.sine * followed + NORMAL_ROUNDING)
+        };
+        let share = cones.iter().flatten().map(share).fold(f64::INFINITY, f64::min);
+        if share > 1.0 {
+            let detail = format!("the normal {normal} is outside the cone of its cell by {share:.3} times its sine");
+            return Err(Difference::new(Cause::Derivative, share, detail));
+        }
+        shares.normal = Some(share);
+        evaluated(shares)
+    }
+
+    /// How far `snap_px` pixels reach in u and in v about a hit, as shares of a rectangle of its surface's parameters.
+    fn beside(&self, hit: &Hit, s: DVec3, snap_px: f64, domain: &[[f64; 2]; 2]) -> [f64; 2] {
+        let d = self.model.surface(hit.face).first_derivatives(hit.uv.x, hit.uv.y);
+        let [a, b] = [d.su, d.sv].map(|along| self.camera.picture_derivative(self.viewport, s, along));
+        let area = a.perp_dot(b).abs();
+        let reach = [b.length(), a.length()].map(|across| snap_px * across / area);
+        [0, 1].map(|k| reach[k] / (domain[k][1] - domain[k][0]))
+    }
+}

@@ -1,0 +1,111 @@
+//! `--normals vertex`: what triangles carry agrees with what is proven of it, and what is wrong does not.
+
+use compare::{Cause, PairReport, Verdict};
+use gbuffer::{GBuffer, Hit};
+use glam::DVec3;
+use nurbs::Normal;
+use pipeline::wgsl::{self, Variant};
+use raycast::Caster;
+use scene::{Camera, Model, Viewport};
+use techniques::Technique;
+use techniques::exact::Exact;
+use techniques::fragment::Fragment;
+use techniques::grid::Grid;
+use techniques::zones::ByZones;
+use xtask::stage::{Plan, Stage};
+
+fn stage<'m>(model: &'m Model, technique: &'static dyn Technique) -> Result<Stage<'m>, String> {
+    let viewport = Viewport::new(160, 120).expect("a legal size");
+    let plan = Plan { technique, chord_px: 0.25, vertex_normals: true, ..Plan::default() };
+    Stage::new(model, Camera::framing(model, viewport), viewport, plan).map_err(|error| error.to_string())
+}
+
+fn device() -> gpu::Device {
+    gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`")
+}
+
+#[test]
+fn what_triangles_carry_agrees() {
+    let device = device();
+    for name in ["teapot", "sphere", "rational", "islands", "cone"] {
+        let model = formats::builtin(name).expect("built in");
+        let caster = Caster::new(&model);
+        for technique in [&Fragment as &'static dyn Technique, &Grid, &ByZones] {
+            let stage = stage(&model, technique).expect("a stage");
+            let (rays, raster) = (stage.raycast(&caster), stage.raster());
+            let on_gpu = stage.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer;
+            for pair in [
+                stage.against_raycast(&caster, &rays, &raster).expect("comparable"),
+                stage.against_raycast(&caster, &rays, &on_gpu).expect("comparable"),
+                stage.against_raster(&raster, &on_gpu).expect("comparable"),
+            ] {
+                assert_eq!(pair.verdict, Verdict::Agree, "{name}, {technique:?}: {:?}", pair.causes);
+                assert!(pair.normal_share > 0.05, "{name}, {technique:?}: nothing is claimed of normals");
+            }
+        }
+    }
+}
+
+/// Every hit changed.
+fn changed(buffer: &GBuffer, change: impl Fn(Hit) -> Hit) -> GBuffer {
+    let viewport = buffer.viewport();
+    let row = |y: usize| (0..viewport.width()).map(|x| buffer.get(x, y).copied().map(&change)).collect();
+    GBuffer::from_rows(viewport, buffer.meta().clone(), (0..viewport.height()).map(row).collect::<Vec<_>>())
+}
+
+fn main_cause(report: &PairReport) -> Option<Cause> {
+    assert_eq!(report.verdict, Verdict::Differ, "{:?}", report.causes);
+    report.main_cause()
+}
+
+#[test]
+fn what_no_triangle_carries_differs() {
+    let model = formats::builtin("sphere").expect("built in");
+    let caster = Caster::new(&model);
+    let stage = stage(&model, &Grid).expect("a stage");
+    let (rays, raster) = (stage.raycast(&caster), stage.raster());
+    let cause = |change: &dyn Fn(Hit) -> Hit| {
+        main_cause(&stage.against_raycast(&caster, &rays, &changed(&raster, change)).expect("comparable"))
+    };
+    let with = |hit: Hit, normal: DVec3| Hit { normal: Normal::Regular(normal), ..hit };
+    let normal = |hit: &Hit| hit.normal.unit().expect("a sphere has one");
+    let tilted = |hit: Hit| with(hit, (normal(&hit) + 0.4 * normal(&hit).any_orthonormal_vector()).normalize());
+    assert_eq!(cause(&tilted), Some(Cause::Derivative));
+    assert_eq!(cause(&|hit| with(hit, -normal(&hit))), Some(Cause::Derivative));
+    assert_eq!(cause(&|hit| with(hit, 0.9 * normal(&hit))), Some(Cause::NormalLength));
+    assert_eq!(cause(&|hit| with(hit, DVec3::NAN)), Some(Cause::NotFinite));
+    assert_eq!(cause(&|hit| Hit { normal: Normal::Undefined, ..hit }), Some(Cause::DegenerateNormal));
+    let lifted = |hit: Hit| Hit { position: hit.position + 0.05 * normal(&hit), ..hit };
+    assert!(cause(&lifted).is_some());
+}
+
+#[test]
+fn faults_of_the_vertex_stage_differ() {
+    let device = device();
+    let model = formats::builtin("torus").expect("built in");
+    let caster = Caster::new(&model);
+    for (technique, from, to) in [
+        (&Grid as &'static dyn Technique, "out.normal = own.normal;", "out.normal = own.normal.zxy;"),
+        (&ByZones, "out.normal = v.normal;", "out.normal = corners[zone * ACROSS * ACROSS].normal;"),
+        (&Fragment, "select(vec3<f32>(0.0), in.normal / length", "select(vec3<f32>(0.0), in.normal"),
+        (&Grid, "f.position = in.local;", "f.position = in.local * 1.01;"),
+    ] {
+        let source = |variant: Variant| {
+            let source = wgsl::source(variant);
+            assert!(source.contains(from), "the source no longer says {from:?}");
+            source.replace(from, to)
+        };
+        let stage = stage(&model, technique).expect("a stage");
+        let overrides = gpu::Overrides { source: Some(&source), ..Default::default() };
+        let on_gpu = stage.gpu(&device, None, overrides).expect("the GPU draws").gbuffer;
+        let pair = stage.against_raycast(&caster, &stage.raycast(&caster), &on_gpu).expect("comparable");
+        assert_eq!(pair.verdict, Verdict::Differ, "{to}");
+    }
+}
+
+#[test]
+fn a_technique_without_corners_on_the_surface_refuses() {
+    let model = formats::builtin("teapot").expect("built in");
+    let error = stage(&model, &Exact).err().expect("refused");
+    assert!(error.contains("exact") && error.contains("vertex normals"), "{error}");
+}
