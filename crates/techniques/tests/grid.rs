@@ -8,7 +8,7 @@ use raster::Drawing;
 use scene::{Camera, FaceId, Model, Projection, Viewport};
 use std::collections::BTreeSet;
 use techniques::grid::{Grid, Grids};
-use techniques::{Setting, Technique};
+use techniques::{Prepared, Setting, Technique};
 
 fn grids(model: &Model, error_px: f64) -> (PackedScene, Grids) {
     let viewport = Viewport::new(256, 256).expect("a legal size");
@@ -159,6 +159,61 @@ fn a_closed_surface_in_pieces_has_no_crack_at_any_mix_of_levels() {
         assert_eq!(odd, 0, "{name}");
     }
     assert!(levels.len() > 12, "{levels:?}");
+}
+
+/// The device draws what the twin draws, in which no ray passes between two grids: every pixel shows the same side of the body.
+#[test]
+fn no_pixel_of_the_device_shows_what_lies_behind_a_closed_surface() {
+    let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
+    let viewport = Viewport::new(48, 48).expect("a legal size");
+    for name in ["torus", "sphere"] {
+        let model = in_pieces(name);
+        let scene = PackedScene::new(&model, Scheme::Specialised).expect("it packs");
+        let (size, center) = (model.hull().diagonal(), model.hull().center());
+        let mut random = Random(11);
+        let looks = |random: &mut Random| {
+            let eye = center + random.direction() * size * (0.55 + random.unit());
+            let projection = Projection::Perspective { fov_deg: 40.0 };
+            Camera::look_at(eye, center + random.direction() * size * 0.2, random.direction(), projection)
+                .expect("legal")
+        };
+        let (mut levels, mut covered) = (BTreeSet::new(), 0);
+        for error_px in [0.1, 1.0, 6.0] {
+            let grids = Grids::new(&model, &scene, &looks(&mut random), viewport, error_px).expect("few triangles");
+            let mut renderer = Renderer::new(&device, &scene, &grids, RendererOptions::default()).expect("it fits");
+            for _ in 0..34 {
+                let camera = looks(&mut random);
+                let views = scene.views(&model, &camera, viewport);
+                let seen = grids.seen(&scene, &views);
+                levels.extend(seen.records.iter().map(|record| record.level));
+                let drawing =
+                    Drawing { scene: &scene, views: &views, camera: &camera, viewport, options: Default::default() };
+                let visibility = grids.visibility(drawing);
+                let samples = visibility.samples();
+                for (pixel, fragment) in renderer.fragments(&views, viewport).expect("drawn").iter().enumerate() {
+                    let (x, y) = ((pixel % 48) as f64 + 0.5, (pixel / 48) as f64 + 0.5);
+                    let nearest =
+                        |x: f64, y: f64| samples.layers(x, y).iter().map(|seen| seen.depth).fold(0.0, f32::max);
+                    let nearest_here = nearest(x, y);
+                    // Along an outline the two may take a pixel differently.
+                    let is_alike = |(i, j): (f64, f64)| (nearest(x + i, y + j) / nearest_here - 1.0).abs() < 0.02;
+                    let around = [(-0.5, 0.0), (0.4, 0.0), (0.0, -0.5), (0.0, 0.4)];
+                    if nearest_here == 0.0 || !around.into_iter().all(is_alike) {
+                        continue;
+                    }
+                    let fragment = fragment.unwrap_or_else(|| panic!("{name}, {error_px} px: nothing at ({x}, {y})"));
+                    let nearest = nearest_here;
+                    covered += 1;
+                    let position = scene.frames()[fragment.face as usize].world(fragment.position);
+                    let depth = camera.near() / camera.depth(position);
+                    // The far side of the body is a tenth of its size away, or more.
+                    let off = (depth / f64::from(nearest) - 1.0).abs() * camera.depth(position);
+                    assert!(off < 0.05 * size, "{name}, {error_px} px at ({x}, {y}): {off}");
+                }
+            }
+        }
+        assert!(levels.len() > 12 && covered > 30_000, "{levels:?}, {covered}");
+    }
 }
 
 #[test]

@@ -149,7 +149,13 @@ impl Feed for Generator {
         }
     }
 
+    /// All of them where others are drawn.
     fn write_changes(&mut self, device: &Device, before: &Zones, after: &Zones) -> Result<u64, GpuError> {
+        if before.firsts != after.firsts || before.steps != after.steps {
+            let kernels = std::mem::take(&mut self.kernels);
+            *self = Self { kernels, ..Self::new(device, after)? };
+            return Ok((size_of_val(&after.grids.picture.records[..]) + size_of_val(&after.firsts[..])) as u64);
+        }
         let [old, new] = [before, after].map(|zones| bytemuck::cast_slice(&zones.grids.picture.records));
         device.write_changes("grids", &self.buffers[0], old, new)
     }
