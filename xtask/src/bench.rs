@@ -73,13 +73,13 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     };
     let viewport = Viewport::new(args.side, args.side)?;
     let models: Vec<(Model, usize, f64)> =
-        TABLE_1.iter().map(|&(name, cells, fps)| (formats::builtin(name).expect("built in"), cells, fps)).collect();
+        TABLE_1.iter().map(|&(name, cells, fps)| (models::builtin(name).expect("built in"), cells, fps)).collect();
     for (model, _, _) in &models {
         for &technique in techniques::ALL {
             agree(model, device.as_ref(), Plan { technique, ..args.drawing.plan() })?;
         }
     }
-    let rational = formats::builtin("rational").expect("built in");
+    let rational = models::builtin("rational").expect("built in");
     let points = points();
     let caster = Caster::new(&rational);
     let [top_down, grazing] = rays(&rational);

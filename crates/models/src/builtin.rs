@@ -8,7 +8,6 @@ use crate::construction::{
 };
 use crate::hard::hard;
 use crate::trimmed::trimmed;
-use crate::wrap::wrap;
 use glam::{DVec3, DVec4};
 use libm::{cos, sin};
 use nurbs::{KnotVector, Surface};
@@ -32,8 +31,7 @@ pub const BUILTINS: &[(&str, &str)] = &[
     ("spray", "a fountain of leaves: 266 bicubic surfaces of 18 x 18 control points"),
 ];
 
-/// The built-in model of that name; `None` where it is none of [`BUILTINS`], [`HARD`](crate::HARD) and
-/// [`TRIMMED`](crate::TRIMMED).
+/// The built-in model of that name; `None` where [`all`](crate::all) has no such name.
 pub fn builtin(name: &str) -> Option<Model> {
     let surfaces = match name {
         "teapot" => return Some(embedded(include_str!("../../../testdata/models/teapot.json"))),
@@ -133,16 +131,15 @@ fn vase() -> Surface {
     let knots_u = KnotVector::periodic(3, &period).expect("sorted, and as long as asked for");
     let knots_v = clamped(3, &[0.2, 0.45, 0.7, 0.85]);
     let mut points = vec![];
-    for i in 0..VASE_COUNT {
-        let angle = TAU * greville(&knots_u, i);
+    // As many more as the degree close it: the first ones again.
+    for i in 0..knots_u.control_count() {
+        let angle = TAU * greville(&knots_u, i % VASE_COUNT);
         for j in 0..knots_v.control_count() {
             let v = greville(&knots_v, j);
             let radius = (0.36 + 0.16 * sin(5.5 * v + 0.3)) * (1.0 + 0.14 * cos(4.0 * angle + 2.0 * v));
             points.push(DVec3::new(radius * cos(angle), radius * sin(angle), 1.3 * v - 0.65));
         }
     }
-    let counts = [VASE_COUNT, knots_v.control_count()];
-    let points = wrap(&points, counts, [Some(3), None]);
     surface(knots_u, knots_v, points, None)
 }
 

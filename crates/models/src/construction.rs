@@ -2,7 +2,7 @@
 //!
 //! A model's own module gives the numbers; what is made of them is checked by `nurbs` and goes back to it.
 
-use crate::json;
+use formats::json;
 use glam::DVec3;
 use nurbs::{KnotVector, Surface};
 use scene::Model;
