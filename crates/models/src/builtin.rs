@@ -4,9 +4,11 @@
 //! same numbers on every machine: `+ − × ÷ √` and the sine and cosine of the `libm` crate.
 
 use crate::construction::{
-    CIRCLE, QUARTERS, clamped, embedded, even, greville, knots, revolved, sample, sampled, sphere, surface,
+    CIRCLE, QUARTERS, clamped, even, greville, knots, revolved, sample, sampled, sphere, surface,
 };
 use crate::hard::hard;
+use crate::published::published;
+use crate::tea_set;
 use crate::trimmed::trimmed;
 use glam::{DVec3, DVec4};
 use libm::{cos, sin};
@@ -34,9 +36,9 @@ pub const BUILTINS: &[(&str, &str)] = &[
 /// The built-in model of that name; `None` where [`all`](crate::all) has no such name.
 pub fn builtin(name: &str) -> Option<Model> {
     let surfaces = match name {
-        "teapot" => return Some(embedded(include_str!("../../../testdata/models/teapot.json"))),
-        "teacup" => return Some(embedded(include_str!("../../../testdata/models/teacup.json"))),
-        "teaspoon" => return Some(embedded(include_str!("../../../testdata/models/teaspoon.json"))),
+        "teapot" => return Some(tea_set::teapot()),
+        "teacup" => return Some(tea_set::teacup()),
+        "teaspoon" => return Some(tea_set::teaspoon()),
         "sphere" => vec![sphere()],
         "torus" => vec![torus()],
         "surface" => vec![wave(|_, _| 1.0)],
@@ -47,7 +49,7 @@ pub fn builtin(name: &str) -> Option<Model> {
         "unclamped" => vec![dome()],
         "periodic" => vec![vase()],
         "spray" => spray(),
-        _ => return hard(name).or_else(|| trimmed(name)),
+        _ => return hard(name).or_else(|| trimmed(name)).or_else(|| published(name)),
     };
     Some(Model::of_surfaces(name, surfaces).expect("each has a surface"))
 }

@@ -60,6 +60,20 @@ pub(crate) fn sampled(knots_u: KnotVector, knots_v: KnotVector, shape: impl Fn(f
     surface(knots_u, knots_v, points, None)
 }
 
+/// Bicubic, closed in u by periodic knots, of `around` × `along` spans; `shape` maps the unit square and is periodic in u.
+pub(crate) fn closed([around, along]: [usize; 2], shape: impl Fn(f64, f64) -> DVec3) -> Surface {
+    let period: Vec<f64> = (0..=around).map(|k| k as f64).collect();
+    let knots_u = KnotVector::periodic(3, &period).expect("sorted, and as long as asked for");
+    let knots_v = even(3, along + 3);
+    let mut points = vec![];
+    for i in 0..knots_u.control_count() {
+        for j in 0..knots_v.control_count() {
+            points.push(shape(greville(&knots_u, i % around), greville(&knots_v, j)));
+        }
+    }
+    surface(knots_u, knots_v, points, None)
+}
+
 /// The unit circle in nine points (Piegl & Tiller, Sec. 7.5): x, y, weight.
 pub(crate) const CIRCLE: [[f64; 3]; 9] = [
     [1.0, 0.0, 1.0],

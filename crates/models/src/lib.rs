@@ -6,13 +6,16 @@
 mod builtin;
 mod construction;
 mod hard;
+mod published;
+mod tea_set;
 mod trimmed;
 
 pub use builtin::{BUILTINS, builtin};
 pub use hard::HARD;
+pub use published::{PUBLISHED, QUILTS, SCENES, TeaScene};
 pub use trimmed::TRIMMED;
 
 /// Names of all built-in models, in the order in which they are listed, each with a line on what it is.
 pub fn all() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
-    [BUILTINS, HARD, TRIMMED].into_iter().flatten()
+    [BUILTINS, HARD, TRIMMED, PUBLISHED].into_iter().flatten()
 }
