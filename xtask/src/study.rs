@@ -44,8 +44,8 @@ pub struct StudyArgs {
     view: ViewArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
-    /// Budgets of triangles
-    #[arg(long, value_delimiter = ',', default_values_t = [1_000, 4_000, 16_000, 64_000])]
+    /// Budgets of triangles [default: 8, 32, 128 and 512 for each Bézier patch, two million at most]
+    #[arg(long, value_delimiter = ',')]
     triangles: Vec<usize>,
     /// Errors, pixels
     #[arg(long, value_delimiter = ',', value_name = "PX", default_values_t = [4.0, 1.0, 0.5, 0.25], value_parser = number::error_px)]
@@ -77,7 +77,8 @@ pub fn run(args: &StudyArgs) -> Result<()> {
         device => device.map_err(|error| error.to_string()),
     };
     let patience = Patience { frames: usize::from(args.frames), seconds: args.seconds };
-    let triangles = args.triangles.iter().map(|&most| Goal::Triangles(most));
+    let budgets = if args.triangles.is_empty() { budgets(report::patches(&model)) } else { args.triangles.clone() };
+    let triangles = budgets.into_iter().map(Goal::Triangles);
     let goals: Vec<Goal> = triangles.chain(args.errors.iter().map(|&px| Goal::Error(px))).collect();
     // What follows prepares by each technique anew: this one only packs the model.
     let stage = Stage::new(&model, camera, viewport, Plan { chord_px: number::MAX_ERROR_PX, ..args.drawing.plan() })?;
@@ -94,6 +95,19 @@ pub fn run(args: &StudyArgs) -> Result<()> {
         Format::Json => terminal::json(&report),
         Format::Table => print(&report, args.out.as_deref()),
     }
+}
+
+/// Triangles for each patch by which budgets go up.
+const PER_PATCH: [usize; 4] = [8, 32, 128, 512];
+
+/// The greatest budget that is not asked for: half of what techniques draw at most.
+const GREATEST_BUDGET: usize = 2_000_000;
+
+/// The budgets of a model of so many patches, each larger than the one before.
+fn budgets(patches: usize) -> Vec<usize> {
+    let mut budgets = PER_PATCH.map(|per_patch| (per_patch * patches).min(GREATEST_BUDGET)).to_vec();
+    budgets.dedup();
+    budgets
 }
 
 /// The rows of `techniques` at all goals, and the pictures at the worst pixel of each that was drawn.
