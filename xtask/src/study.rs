@@ -9,7 +9,7 @@ mod row;
 mod table;
 mod worst;
 
-use crate::compare::{DrawingArgs, Shade};
+use crate::compare::Shade;
 use crate::conform::pictures::data_uri;
 use crate::cost::Patience;
 use crate::format::Format;
@@ -42,8 +42,9 @@ pub struct StudyArgs {
     model: ModelArgs,
     #[command(flatten)]
     view: ViewArgs,
-    #[command(flatten)]
-    drawing: DrawingArgs,
+    /// Part of the GPU adapter's name [default: a hardware one, else a software one]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
     /// Budgets of triangles [default: 8, 32, 128 and 512 for each Bézier patch, two million at most]
     #[arg(long, value_delimiter = ',')]
     triangles: Vec<usize>,
@@ -72,8 +73,8 @@ pub fn run(args: &StudyArgs) -> Result<()> {
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
-    let device = match gpu::Device::open(args.drawing.adapter.as_deref()) {
-        Err(error) if args.drawing.adapter.is_some() => return Err(error.into()),
+    let device = match gpu::Device::open(args.adapter.as_deref()) {
+        Err(error) if args.adapter.is_some() => return Err(error.into()),
         device => device.map_err(|error| error.to_string()),
     };
     let patience = Patience { frames: usize::from(args.frames), seconds: args.seconds };
@@ -81,10 +82,10 @@ pub fn run(args: &StudyArgs) -> Result<()> {
     let triangles = budgets.into_iter().map(Goal::Triangles);
     let goals: Vec<Goal> = triangles.chain(args.errors.iter().map(|&px| Goal::Error(px))).collect();
     // What follows prepares by each technique anew: this one only packs the model.
-    let stage = Stage::new(&model, camera, viewport, Plan { chord_px: number::MAX_ERROR_PX, ..args.drawing.plan() })?;
+    let stage = Stage::new(&model, camera, viewport, Plan { chord_px: number::MAX_ERROR_PX, ..Plan::default() })?;
     let adapter = device.as_ref().map(Adapter::of).map_err(Clone::clone);
     let report = Report::new(&model, camera, viewport, adapter, patience);
-    let stage = Stage { plan: args.drawing.plan(), ..stage };
+    let stage = Stage { plan: Plan::default(), ..stage };
     let (report, worst) = study(&stage, techniques::ALL, &goals, device.as_ref().ok(), patience, report)?;
     if let Some(folder) = &args.out {
         output::folder(folder)?;

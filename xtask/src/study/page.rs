@@ -44,10 +44,21 @@ pub fn page(report: &Report, worst: &[Worst]) -> Result<String> {
     }
     page.push_str("</tr></thead><tbody>\n");
     for row in &report.rows {
-        let class = if matches!(row.outcome, Outcome::Failed(_)) { " class=\"failed\"" } else { "" };
-        write!(page, "<tr{class}>")?;
-        for cell in cells(row) {
-            write!(page, "<td>{}</td>", html(&cell))?;
+        let cells = cells(row);
+        match &row.outcome {
+            Outcome::Measured(_) => {
+                page.push_str("<tr>");
+                cells.iter().try_for_each(|cell| write!(page, "<td>{}</td>", html(cell)))?;
+            }
+            // The reason takes the room of all that was not measured.
+            Outcome::Failed(_) => {
+                let [technique, goal, why] = [0, 1, 2].map(|k| html(&cells[k]));
+                let room = HEADS.len() - 2;
+                write!(
+                    page,
+                    "<tr class=\"failed\"><td>{technique}</td><td>{goal}</td><td colspan=\"{room}\">{why}</td>"
+                )?;
+            }
         }
         page.push_str("</tr>\n");
     }
@@ -89,6 +100,11 @@ pub fn facts(report: &Report) -> Vec<String> {
         format!(
             "{model}: {faces} faces, {patches} Bézier patches, hash {}; {width}x{height} pixels",
             report.model_hash
+        ),
+        format!(
+            "seen from {:?} by {:?}; trims exact, programs specialised by degree",
+            report.camera.eye().to_array().map(number),
+            report.camera.projection()
         ),
         format!("gpu: {gpu}"),
         format!("raster and raycast on {threads} threads; a time is of up to {frames} frames in about {seconds} s"),

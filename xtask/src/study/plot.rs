@@ -94,7 +94,7 @@ fn draw(
             continue;
         }
         // A line that another covers shows on either side of it.
-        let width = 2 + 2 * (plot.series.len() - 1 - index).min(2) as u32;
+        let width = 2 + (plot.series.len() - 1 - index).min(2) as u32;
         let drawn = chart.draw_series(LineSeries::new(points, colour.stroke_width(width)).point_size(2 + width))?;
         drawn
             .label(&series.name)
