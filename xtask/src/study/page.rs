@@ -7,6 +7,7 @@ use super::row::{Measured, Outcome};
 use super::table::{HEADS, cells, number};
 use crate::text::escaped;
 use anyhow::Result;
+use plotters::prelude::SeriesLabelPosition;
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("../../assets/study.css");
@@ -30,7 +31,7 @@ pub fn page(report: &Report, worst: &[Worst]) -> Result<String> {
         "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{title}</title>\n<style>{STYLE}</style>\n<h1>{title}</h1>\n"
     );
     for fact in facts(report) {
-        write!(page, "<p class=\"fact\">{}</p>\n", html(&fact))?;
+        writeln!(page, "<p class=\"fact\">{}</p>", html(&fact))?;
     }
     page.push_str("<div class=\"plots\">\n");
     for plot in plots(report) {
@@ -74,9 +75,9 @@ pub fn page(report: &Report, worst: &[Worst]) -> Result<String> {
         let row = &report.rows[*row];
         let Outcome::Measured(m) = &row.outcome else { continue };
         let Some(at) = m.errors.offset_px.at else { continue };
-        write!(
+        writeln!(
             page,
-            "<figure><img src=\"{own}\" alt=\"technique\"><img src=\"{exact}\" alt=\"ray caster\"><figcaption>{}, {}: {} px off at {},{} of face {}</figcaption></figure>\n",
+            "<figure><img src=\"{own}\" alt=\"technique\"><img src=\"{exact}\" alt=\"ray caster\"><figcaption>{}, {}: {} px off at {},{} of face {}</figcaption></figure>",
             html(row.technique),
             html(&row.goal.to_string()),
             number(m.errors.offset_px.greatest),
@@ -92,6 +93,7 @@ pub fn page(report: &Report, worst: &[Worst]) -> Result<String> {
 /// The head of every form of the report.
 pub fn facts(report: &Report) -> Vec<String> {
     let Report { model, faces, patches, size: [width, height], threads, frames, seconds, .. } = report;
+    let eye = report.camera.eye();
     let gpu = match (&report.adapter, &report.gpu_not_run) {
         (Some(adapter), _) => format!("{} ({})", adapter.name, adapter.driver),
         (None, why) => format!("not run: {}", why.as_deref().unwrap_or("no reason known")),
@@ -102,8 +104,10 @@ pub fn facts(report: &Report) -> Vec<String> {
             report.model_hash
         ),
         format!(
-            "seen from {:?} by {:?}; trims exact, programs specialised by degree",
-            report.camera.eye().to_array().map(number),
+            "seen from {}, {}, {} by {:?}; trims exact, programs specialised by degree",
+            number(eye.x),
+            number(eye.y),
+            number(eye.z),
             report.camera.projection()
         ),
         format!("gpu: {gpu}"),
@@ -159,21 +163,38 @@ fn plots(report: &Report) -> Vec<Plot> {
     let vertex: Figure = |m| m.vertex_normal_deg.as_ref().map(|spread| spread.percentile_99);
     let mut normals = lines(report, true, ", at the fragment", triangles, fragment);
     normals.extend(lines(report, true, ", from corners", triangles, vertex));
-    let plot = |title, axes, series| Plot { title, axes, series, rises: false };
-    let rising = |title, axes, series| Plot { title, axes, series, rises: true };
+    use SeriesLabelPosition::{LowerLeft, UpperLeft, UpperRight};
+    let plot = |title, axes, legend, series| Plot { title, axes, series, legend };
     vec![
-        plot("Equal triangles: greatest offset", ["triangles", "pixels"], lines(report, true, "", triangles, offset)),
-        plot("Equal triangles: normals, 99th percentile", ["triangles", "degrees"], normals),
-        rising("Equal triangles: a frame on the GPU", ["triangles", "ms"], lines(report, true, "", triangles, gpu)),
-        rising("Equal triangles: a frame on the CPU", ["triangles", "ms"], lines(report, true, "", triangles, cpu)),
+        plot(
+            "Equal triangles: greatest offset",
+            ["triangles", "pixels"],
+            LowerLeft,
+            lines(report, true, "", triangles, offset),
+        ),
+        plot("Equal triangles: normals, 99th percentile", ["triangles", "degrees"], LowerLeft, normals),
+        plot(
+            "Equal triangles: a frame on the GPU",
+            ["triangles", "ms"],
+            UpperLeft,
+            lines(report, true, "", triangles, gpu),
+        ),
+        plot(
+            "Equal triangles: a frame on the CPU",
+            ["triangles", "ms"],
+            UpperLeft,
+            lines(report, true, "", triangles, cpu),
+        ),
         plot(
             "Equal error: a frame on the GPU",
             ["greatest offset, pixels", "ms"],
+            UpperRight,
             lines(report, false, "", offset, gpu),
         ),
         plot(
             "Equal error: a frame on the CPU",
             ["greatest offset, pixels", "ms"],
+            UpperRight,
             lines(report, false, "", offset, cpu),
         ),
     ]

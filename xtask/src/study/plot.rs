@@ -35,8 +35,8 @@ pub struct Plot {
     pub axes: [&'static str; 2],
     /// Its lines.
     pub series: Vec<Series>,
-    /// Whether its lines rise, so that the legend has room at the left and not at the right.
-    pub rises: bool,
+    /// Where the legend has room.
+    pub legend: SeriesLabelPosition,
 }
 
 /// The plot as an SVG element; `None` where no point can be shown.
@@ -102,7 +102,7 @@ fn draw(
     }
     chart
         .configure_series_labels()
-        .position(if plot.rises { SeriesLabelPosition::UpperLeft } else { SeriesLabelPosition::UpperRight })
+        .position(plot.legend.clone())
         .background_style(WHITE.mix(0.85))
         .border_style(RGBColor(200, 200, 200))
         .label_font(("sans-serif", 12))
