@@ -24,7 +24,7 @@ fn setting<'a>(model: &'a Model, scene: &'a PackedScene, camera: &'a Camera, vie
 fn an_edited_renderer_shows_what_a_new_one_shows() {
     let device = gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`");
     let viewport = Viewport::new(64, 48).expect("a legal size");
-    let model = formats::builtin("plate").expect("built in");
+    let model = models::builtin("plate").expect("built in");
     let camera = Camera::framing(&model, viewport);
     let edited = pulled(&model);
     assert_eq!(model.region(FaceId(0)), edited.region(FaceId(0)), "trims are not touched");
@@ -56,7 +56,7 @@ fn an_edit_of_another_layout_is_refused() {
     let device = gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`");
     let viewport = Viewport::new(32, 32).expect("a legal size");
     let shots = ["plate", "teapot"].map(|name| {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let camera = Camera::framing(&model, viewport);
         let scene = PackedScene::new(&model, Scheme::Specialised).expect("small");
         let prepared = techniques::ALL[0].prepare(&setting(&model, &scene, &camera, viewport)).expect("few triangles");
@@ -71,7 +71,7 @@ fn an_edit_of_another_layout_is_refused() {
 #[test]
 fn triangles_follow_their_surface_and_know_how_far_they_are_off() {
     let viewport = Viewport::new(64, 48).expect("a legal size");
-    let model = formats::builtin("plate").expect("built in");
+    let model = models::builtin("plate").expect("built in");
     let camera = Camera::framing(&model, viewport);
     let edited = pulled(&model);
     let [before, after] = [&model, &edited].map(|model| PackedScene::new(model, Scheme::Specialised).expect("small"));

@@ -22,7 +22,7 @@ const HIDDEN: [(&str, bool, [usize; 2]); 5] = [
 fn a_root_beyond_the_fold_hides_those_that_the_first_searches_find() {
     let viewport = Viewport::new(512, 512).expect("a legal size");
     for (name, is_orthographic, [x, y]) in HIDDEN {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let camera = if is_orthographic {
             let eye = Camera::framing(&model, viewport).eye();
             let projection = Projection::Orthographic { height: 1.5 };
@@ -105,7 +105,7 @@ fn the_kernels_search_as_the_program_in_rust_does() {
     let device = gpu::Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
     let viewport = Viewport::new(40, 40).expect("a legal size");
     for name in ["torus", "surface", "islands"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let plan = Plan { technique: &techniques::exact::Exact, ..Plan::default() };
         let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, plan).expect("drawable");
         // A ray that passes by a hull costs nothing, so that it does not matter in which pixels a hull is looked for.

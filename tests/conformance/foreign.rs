@@ -64,7 +64,7 @@ fn cast(buffer: &GBuffer, shift: f64, aim: impl Fn(&Caster, Ray) -> Ray) -> GBuf
 }
 
 fn teapot(buffer: &GBuffer) -> (Model, Camera, Viewport) {
-    let model = formats::builtin("teapot").expect("built in");
+    let model = models::builtin("teapot").expect("built in");
     let camera = serde_json::from_value(buffer.meta().camera.clone()).expect("a camera");
     (model, camera, buffer.viewport())
 }
@@ -173,7 +173,7 @@ fn each_mistake_of_a_foreign_renderer_is_caught_and_its_cause_named() {
 /// Homogeneous coordinates about the world's origin, where ours are about the face's own.
 #[test]
 fn a_quotient_that_a_foreign_renderer_forgot_is_named() {
-    let model = formats::builtin("rational").expect("built in");
+    let model = models::builtin("rational").expect("built in");
     let viewport = Viewport::new(32, 24).expect("a legal size");
     let caster = Caster::new(&model);
     let sound = caster.render(&Camera::framing(&model, viewport), viewport, &|_| ());
@@ -284,7 +284,7 @@ fn nothing_that_a_file_says_of_itself_allows_it_more() {
 
 #[test]
 fn our_own_saved_files_are_compared_as_the_twins_that_they_are() {
-    let model = formats::builtin("torus").expect("built in");
+    let model = models::builtin("torus").expect("built in");
     let viewport = Viewport::new(32, 24).expect("a legal size");
     let stage = xtask::stage::Stage::new(&model, Camera::framing(&model, viewport), viewport, Plan::default());
     let raster = stage.expect("a stage").raster();
@@ -404,7 +404,7 @@ fn random_numbers_are_judged_and_differ() {
 #[test]
 fn a_scene_written_for_others_is_the_scene() {
     for name in ["teapot", "rational", "unclamped"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let viewport = Viewport::new(40, 30).expect("a legal size");
         let camera = Camera::framing(&model, viewport);
         let text = xtask::scene::document(&model, &camera, viewport).expect("a document").to_string();

@@ -89,7 +89,7 @@ const FAULTS: &[Fault] = &[
 /// What the pairs with the GPU say of the teapot: its patches have many levels.
 fn judged(technique: &'static dyn Technique, overrides: gpu::Overrides) -> [PairReport; 2] {
     let device = gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`");
-    let model = formats::builtin("teapot").expect("built in");
+    let model = models::builtin("teapot").expect("built in");
     let viewport = Viewport::new(160, 120).expect("a legal size");
     // Coarse, so that a border that is not the same from either side leaves a gap that pixels see.
     let plan = Plan { technique, chord_px: 2.0, ..Plan::default() };

@@ -42,7 +42,7 @@ fn only_cause(report: &PairReport) -> Option<Cause> {
 
 #[test]
 fn a_surface_that_is_not_shown_is_named_by_what_the_technique_claims_and_by_what_the_renderers_say() {
-    let model = formats::builtin("teapot").expect("built in");
+    let model = models::builtin("teapot").expect("built in");
     let caster = Caster::new(&model);
     let at = (AT[0], AT[1]);
     for &technique in techniques::ALL {
@@ -73,7 +73,7 @@ fn a_surface_that_is_not_shown_is_named_by_what_the_technique_claims_and_by_what
 
 #[test]
 fn a_candidate_that_did_not_converge_is_counted_even_where_it_is_right() {
-    let model = formats::builtin("teapot").expect("built in");
+    let model = models::builtin("teapot").expect("built in");
     let (stage, caster) = (stage(&model, UNBOUNDED_SHARE), Caster::new(&model));
     let raster = stage.raster().with_undecided([(AT[0], AT[1])]);
     let report = stage.against_raycast(&caster, &stage.raycast(&caster), &raster).expect("comparable");
@@ -86,7 +86,7 @@ fn a_candidate_that_did_not_converge_is_counted_even_where_it_is_right() {
 
 #[test]
 fn a_value_just_outside_its_interval_is_rounding() {
-    let model = formats::builtin("teapot").expect("built in");
+    let model = models::builtin("teapot").expect("built in");
     let (stage, caster) = (stage(&model, UNBOUNDED_SHARE), Caster::new(&model));
     let (raycast, raster) = (stage.raycast(&caster), stage.raster());
     let enclosures = stage.enclosures(raster.get(AT[0], AT[1]).expect("covered"), true);
@@ -106,7 +106,7 @@ fn a_value_just_outside_its_interval_is_rounding() {
 
 #[test]
 fn a_control_point_that_was_packed_wrongly_is_noticed_though_the_program_is_right() {
-    let model = formats::builtin("teapot").expect("built in");
+    let model = models::builtin("teapot").expect("built in");
     let caster = Caster::new(&model);
     let mut stage = stage(&model, UNBOUNDED_SHARE);
     let raycast = stage.raycast(&caster);
@@ -126,7 +126,7 @@ fn a_control_point_that_was_packed_wrongly_is_noticed_though_the_program_is_righ
 
 #[test]
 fn too_many_pixels_without_a_bound_are_no_agreement() {
-    let model = formats::builtin("sphere").expect("built in");
+    let model = models::builtin("sphere").expect("built in");
     let caster = Caster::new(&model);
     let mut verdicts = vec![];
     for share in [0.0, UNBOUNDED_SHARE, 1.0] {

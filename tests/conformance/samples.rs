@@ -124,7 +124,7 @@ fn areas_by_samples_are_nearer_the_exact_ones_by_the_root_of_their_number_at_lea
     // sizes are taken as well: by arithmetic over 200 of them the three patterns come to 0.37, 0.21 and 0.13 of it.
     const VIEWS: u32 = 96;
     let viewport = Viewport::new(40, 40).expect("legal");
-    let sphere = formats::builtin("sphere").expect("built in");
+    let sphere = models::builtin("sphere").expect("built in");
     for (model, radius) in [(sphere, 1.0), (flat(&[circle(0.83)]), 0.83)] {
         let caster = Caster::new(&model);
         let root_mean_square = |pattern: SamplePattern| {
@@ -153,7 +153,7 @@ fn three_renderers_agree_on_every_sample_of_trimmed_faces() {
     let viewport = Viewport::new(40, 40).expect("legal");
     let mut found = vec![];
     for (name, pattern) in [("window", SamplePattern::Four), ("cusp", SamplePattern::Eight)] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let caster = Caster::new(&model);
         for &technique in techniques::ALL {
             let plan = Plan { technique, ..Plan::default() };
@@ -179,7 +179,7 @@ fn three_renderers_agree_on_every_sample_of_trimmed_faces() {
 #[test]
 fn a_sample_taken_for_another_is_refused_or_found_and_named() {
     let viewport = Viewport::new(40, 40).expect("legal");
-    let model = formats::builtin("window").expect("built in");
+    let model = models::builtin("window").expect("built in");
     let caster = Caster::new(&model);
     let plan = Plan { technique: &techniques::exact::Exact, ..Plan::default() };
     let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, plan).expect("a stage");
@@ -202,7 +202,7 @@ fn a_sample_taken_for_another_is_refused_or_found_and_named() {
 #[test]
 fn a_picture_of_many_samples_agrees_only_where_each_of_them_does() {
     let viewport = Viewport::new(24, 24).expect("legal");
-    let model = formats::builtin("sphere").expect("built in");
+    let model = models::builtin("sphere").expect("built in");
     let caster = Caster::new(&model);
     let report = |unbounded_share: f64| {
         let plan = Plan { unbounded_share, ..Plan::default() };

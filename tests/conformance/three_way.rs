@@ -69,7 +69,7 @@ fn three_renderers_agree_on_every_model_from_everywhere() {
     let mut failures = vec![];
     let mut views = 0;
     for name in MODELS {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let caster = Caster::new(&model);
         for (view, camera) in cameras(&model, viewport) {
             let stage = Stage::new(&model, camera, viewport, Plan::default()).expect("a stage");
@@ -106,7 +106,7 @@ fn technique_exact_agrees_to_a_hundredth_of_a_pixel_from_everywhere() {
     let plan = Plan { technique: &techniques::exact::Exact, ..Plan::default() };
     let (mut failures, mut covered, mut unconverged) = (vec![], 0, 0);
     for name in MODELS {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let caster = Caster::new(&model);
         for (view, camera) in cameras(&model, viewport) {
             let stage = Stage::new(&model, camera, viewport, plan).expect("a stage");
@@ -138,7 +138,7 @@ fn a_triangle_seen_edge_on_at_a_fold_is_granted_its_chord_and_no_more() {
     let viewport = Viewport::new(56, 56).expect("a legal size");
     let device = gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`");
     for name in ["degree-1x9", "degree-8x2"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, Plan::default()).expect("a stage");
         let on_gpu = stage.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer;
         let pair = stage.against_raster(&stage.raster(), &on_gpu).expect("comparable");
@@ -151,7 +151,7 @@ fn the_general_program_and_the_specialised_ones_give_the_same_answer() {
     let viewport = Viewport::new(SIDE, SIDE).expect("a legal size");
     let device = gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`");
     for name in ["teapot", "bilinear-quartic", "quintic-quadratic", "septic", "rational"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let camera = Camera::framing(&model, viewport);
         let stages = [Scheme::Specialised, Scheme::General]
             .map(|scheme| Stage::new(&model, camera, viewport, Plan { scheme, ..Plan::default() }).expect("a stage"));

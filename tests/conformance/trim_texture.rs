@@ -29,7 +29,7 @@ fn device() -> Device {
 }
 
 fn model(name: &str) -> Model {
-    formats::builtin(name).expect("built in")
+    models::builtin(name).expect("built in")
 }
 
 fn fixed(side: u32, chords: u32) -> MaskOptions {
@@ -98,7 +98,7 @@ fn wrong_texels(model: &Model, plan: &MaskPlan, texels: &[u8], margin: f64) -> (
 #[test]
 fn masks_by_scan_lines_by_ears_and_by_fans_are_right_but_along_edges() {
     let device = device();
-    for (name, _) in formats::TRIMMED {
+    for (name, _) in models::TRIMMED {
         let model = model(name);
         for (side, chords) in [(127, 64), (300, 64)] {
             let plan = planned(&model, &fixed(side, chords));

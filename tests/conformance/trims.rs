@@ -106,8 +106,8 @@ fn windings(loops: &[Loop], [[u0, u1], [v0, v1]]: [[f64; 2]; 2], period: f64) ->
 
 #[test]
 fn built_in_trimmed_faces_cover_each_point_once_or_not_at_all() {
-    for (name, _) in formats::TRIMMED {
-        let model = formats::builtin(name).expect("it is built in");
+    for (name, _) in models::TRIMMED {
+        let model = models::builtin(name).expect("it is built in");
         for face in model.faces() {
             let domain = model.surfaces()[face.surface].domain();
             let period = if *name == "window" { domain[0][1] - domain[0][0] } else { 0.0 };
@@ -116,7 +116,7 @@ fn built_in_trimmed_faces_cover_each_point_once_or_not_at_all() {
         }
     }
     // A window moved over the porthole takes some points away twice.
-    let model = formats::builtin("window").expect("it is built in");
+    let model = models::builtin("window").expect("it is built in");
     let mut shifted = model.faces()[0].loops.clone();
     shifted[1].trims.iter_mut().flat_map(|trim| &mut trim.points).for_each(|p| p.x += 0.74);
     let counts = windings(&shifted, model.surfaces()[0].domain(), 1.0);

@@ -12,7 +12,7 @@ use xtask::stage::{Plan, Stage};
 fn failures(suite: Suite) -> Vec<String> {
     let mut failures = vec![];
     for scene in suite.scenes() {
-        let model = formats::builtin(scene.model).expect("built in");
+        let model = models::builtin(scene.model).expect("built in");
         let caster = Caster::new(&model);
         let viewport = Viewport::new(suite.side(), suite.side()).expect("a legal size");
         let camera = scene.viewpoints[0].camera(&model, viewport);

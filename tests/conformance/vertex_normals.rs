@@ -28,7 +28,7 @@ fn device() -> gpu::Device {
 fn what_triangles_carry_agrees() {
     let device = device();
     for name in ["teapot", "sphere", "rational", "islands", "cone"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let caster = Caster::new(&model);
         for technique in [&Fragment as &'static dyn Technique, &Grid, &ByZones] {
             let stage = stage(&model, technique).expect("a stage");
@@ -60,7 +60,7 @@ fn main_cause(report: &PairReport) -> Option<Cause> {
 
 #[test]
 fn what_no_triangle_carries_differs() {
-    let model = formats::builtin("sphere").expect("built in");
+    let model = models::builtin("sphere").expect("built in");
     let caster = Caster::new(&model);
     let stage = stage(&model, &Grid).expect("a stage");
     let (rays, raster) = (stage.raycast(&caster), stage.raster());
@@ -82,7 +82,7 @@ fn what_no_triangle_carries_differs() {
 #[test]
 fn faults_of_the_vertex_stage_differ() {
     let device = device();
-    let model = formats::builtin("torus").expect("built in");
+    let model = models::builtin("torus").expect("built in");
     let caster = Caster::new(&model);
     for (technique, from, to) in [
         (&Grid as &'static dyn Technique, "out.normal = own.normal;", "out.normal = own.normal.zxy;"),
@@ -105,7 +105,7 @@ fn faults_of_the_vertex_stage_differ() {
 
 #[test]
 fn a_technique_without_corners_on_the_surface_refuses() {
-    let model = formats::builtin("teapot").expect("built in");
+    let model = models::builtin("teapot").expect("built in");
     let error = stage(&model, &Exact).err().expect("refused");
     assert!(error.contains("exact") && error.contains("vertex normals"), "{error}");
 }

@@ -22,7 +22,7 @@ fn main() -> Result<()> {
     let frames: usize = arguments.next().map_or(Ok(12), |n| n.parse()).context("FRAMES")?;
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let device = gpu::Device::open(None)?;
-    let model = formats::builtin("plate").context("built in")?;
+    let model = models::builtin("plate").context("built in")?;
     let viewport = Viewport::new(480, 360)?;
     let camera = Camera::framing(&model, viewport);
     let start = model.surfaces()[0].clone();

@@ -1,17 +1,20 @@
 //! `bench`: what each part costs, in one interleaved run, medians and ratios.
 
+mod agree;
 mod frames;
 mod sample;
+mod tessellation;
 mod trimming;
 
 use crate::compare::DrawingArgs;
 use crate::format::Format;
 use crate::stage::{Plan, Stage};
 use crate::{say, terminal};
+use agree::disagreement;
 use anyhow::{Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
-use compare::{Claims, Verdict};
+use compare::Claims;
 use frames::{Frames, turning};
 use glam::DVec3;
 use pipeline::eval::find_span;
@@ -22,6 +25,7 @@ use sample::{Figure, Sample};
 use scene::{Camera, Model, Projection, Ray, Viewport};
 use std::hint::black_box;
 use std::time::Instant;
+use tessellation::TessellationArgs;
 use trimming::Trimming;
 
 /// Kanai's Table 1: a model, cells a face so that the triangles are about his, his frames per second on a GeForce
@@ -34,9 +38,6 @@ const POINTS: usize = 65_536;
 /// Rays of a ray sample, a side.
 const RAYS: usize = 128;
 
-/// Size at which renderers are compared before they are timed.
-const CHECK: usize = 96;
-
 /// Time evaluation, rays, the CPU rasterizer and the GPU, and print medians
 ///
 /// Refuses to time renderers whose pictures disagree. Everything is measured in one run, round by round.
@@ -44,10 +45,15 @@ const CHECK: usize = 96;
 pub struct BenchArgs {
     #[command(flatten)]
     drawing: DrawingArgs,
-    /// Rounds; the median of each figure is printed
+    /// What is timed
+    #[arg(long, value_enum, default_value = "parts")]
+    suite: Suite,
+    #[command(flatten)]
+    tessellation: TessellationArgs,
+    /// Rounds of suite parts; the median of each figure is printed
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..=1000))]
     rounds: u16,
-    /// Frames of the GPU a round; the CPU draws one
+    /// Frames of the GPU a round, where the CPU draws one; of suite tessellation, at most, on either
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=10000))]
     frames: u16,
     /// Side of the square picture of Table 1, pixels
@@ -56,6 +62,15 @@ pub struct BenchArgs {
     /// For people or for machines
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+}
+
+/// What is timed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Suite {
+    /// Evaluation, rays, Kanai's Table 1, judging and trimming
+    Parts,
+    /// Geiger's Figs. 27, 29 and 30, Concheiro's Table 1 and Fig. 3: frames by patches and by triangles, for each technique
+    Tessellation,
 }
 
 /// Runs the command.
@@ -71,15 +86,21 @@ pub fn run(args: &BenchArgs) -> Result<()> {
             None
         }
     };
+    if args.suite == Suite::Tessellation {
+        let frames = usize::from(args.frames);
+        return tessellation::run(&args.tessellation, args.drawing.plan(), device.as_ref(), frames, args.format);
+    }
     let viewport = Viewport::new(args.side, args.side)?;
     let models: Vec<(Model, usize, f64)> =
-        TABLE_1.iter().map(|&(name, cells, fps)| (formats::builtin(name).expect("built in"), cells, fps)).collect();
+        TABLE_1.iter().map(|&(name, cells, fps)| (models::builtin(name).expect("built in"), cells, fps)).collect();
     for (model, _, _) in &models {
         for &technique in techniques::ALL {
-            agree(model, device.as_ref(), Plan { technique, ..args.drawing.plan() })?;
+            if let Some(text) = disagreement(model, device.as_ref(), Plan { technique, ..args.drawing.plan() })? {
+                bail!(text);
+            }
         }
     }
-    let rational = formats::builtin("rational").expect("built in");
+    let rational = models::builtin("rational").expect("built in");
     let points = points();
     let caster = Caster::new(&rational);
     let [top_down, grazing] = rays(&rational);
@@ -174,31 +195,6 @@ fn print(args: &BenchArgs, adapter: Option<&str>, figures: &[Figure]) -> Result<
     }
     terminal::table(&table)?;
     Ok(())
-}
-
-/// Renderers whose pictures disagree are not timed.
-fn agree(model: &Model, device: Option<&gpu::Device>, plan: Plan) -> Result<()> {
-    let viewport = Viewport::new(CHECK, CHECK)?;
-    let stage = Stage::new(model, Camera::framing(model, viewport), viewport, plan)?;
-    let caster = Caster::new(model);
-    let (raycast, raster) = (stage.raycast(&caster), stage.raster());
-    let mut pairs = vec![stage.against_raycast(&caster, &raycast, &raster)?];
-    if let Some(device) = device {
-        let on_gpu = stage.gpu(device, None, gpu::Overrides::default())?;
-        pairs.push(stage.against_raycast(&caster, &raycast, &on_gpu.gbuffer)?);
-        pairs.push(stage.against_raster(&raster, &on_gpu.gbuffer)?);
-    }
-    match pairs.iter().find(|pair| pair.verdict != Verdict::Agree) {
-        None => Ok(()),
-        Some(pair) => bail!(
-            "{} and {} disagree on {} in {} pixels; there is nothing to time (see `cargo xtask compare {}`)",
-            pair.reference,
-            pair.candidate,
-            model.name(),
-            pair.differing(),
-            model.name()
-        ),
-    }
 }
 
 /// A reproducible sample of the unit square (an additive recurrence with the plastic number).

@@ -47,7 +47,7 @@ pub const GOLDENS: &[Golden] = &[
 impl Golden {
     /// The model.
     pub fn model(&self) -> Model {
-        formats::builtin(self.model).expect("goldens use built-in models")
+        models::builtin(self.model).expect("goldens use built-in models")
     }
 
     /// The rasterizer's G-buffer of the scene.

@@ -85,7 +85,7 @@ struct ModelInfo {
 /// Where the model cannot be read.
 pub fn run(args: &InfoArgs) -> Result<()> {
     if args.list {
-        for (name, description) in formats::BUILTINS.iter().chain(formats::HARD).chain(formats::TRIMMED) {
+        for (name, description) in models::all() {
             say!("{name:20} {description}")?;
         }
         return Ok(());

@@ -7,7 +7,7 @@ use crate::view::{ModelArgs, ViewArgs};
 use crate::{output, say, terminal};
 use anyhow::Result;
 use clap::Args;
-use gbuffer::{GBuffer, Picture, ShadeKind, Shading};
+use gbuffer::{GBuffer, Hit, Picture, ShadeKind, Shading};
 use raycast::Caster;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -114,20 +114,16 @@ pub fn buffers(stage: &Stage) -> [GBuffer; 2] {
     })
 }
 
+/// The angle between the normals of two hits, degrees; `None` where they show different faces, or one has no normal.
+pub fn angle_deg(a: &Hit, b: &Hit) -> Option<f64> {
+    let (n, m) = (a.normal.unit()?.normalize_or_zero(), b.normal.unit()?);
+    // The cross product keeps small angles that the dot product rounds away.
+    (a.face == b.face).then(|| n.cross(m).length().atan2(n.dot(m)).to_degrees())
+}
+
 /// How far a buffer's normals are from the exact ones.
 pub fn angles(buffer: &GBuffer, exact: &GBuffer) -> Angles {
-    let mut found: Vec<f64> = buffer
-        .pixels()
-        .zip(exact.pixels())
-        .filter_map(|pair| match pair {
-            (Some(a), Some(b)) if a.face == b.face => {
-                let (n, m) = (a.normal.unit()?.normalize_or_zero(), b.normal.unit()?);
-                // The cross product keeps small angles that the dot product rounds away.
-                Some(n.cross(m).length().atan2(n.dot(m)).to_degrees())
-            }
-            _ => None,
-        })
-        .collect();
+    let mut found: Vec<f64> = buffer.pixels().zip(exact.pixels()).filter_map(|(a, b)| angle_deg(a?, b?)).collect();
     found.sort_by(f64::total_cmp);
     let at = |share: f64| found.get(((found.len() as f64 - 1.0) * share) as usize).copied().unwrap_or(0.0);
     Angles { pixels: found.len(), median_deg: at(0.5), percentile_99_deg: at(0.99), greatest_deg: at(1.0) }

@@ -3,7 +3,9 @@
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use xtask::terminal::{self, OutputError};
-use xtask::{adapters, bench, bless, ci, compare, conform, eval, geiger, info, kanai, mutants, pixel, render, scene};
+use xtask::{
+    adapters, bench, bless, ci, compare, conform, eval, geiger, info, kanai, mutants, pixel, render, scene, study,
+};
 
 /// Isophote: NURBS surfaces, exact per pixel, three independent ways, and how far the three agree
 #[derive(Parser)]
@@ -27,6 +29,7 @@ enum Command {
     Mutants(mutants::MutantsArgs),
     Adapters(adapters::AdaptersArgs),
     Bench(bench::BenchArgs),
+    Study(study::StudyArgs),
     Bless(bless::BlessArgs),
     Ci(ci::CiArgs),
 }
@@ -54,6 +57,7 @@ fn main() -> ExitCode {
         Command::Mutants(args) => mutants::run(&args),
         Command::Adapters(args) => done(adapters::run(&args)),
         Command::Bench(args) => done(bench::run(&args)),
+        Command::Study(args) => done(study::run(&args)),
         Command::Bless(args) => done(bless::run(&args)),
         Command::Ci(args) => ci::run(&args),
     };

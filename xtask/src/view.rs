@@ -80,13 +80,12 @@ impl ModelArgs {
     }
 
     fn read(&self) -> Result<Model> {
-        if let Some(model) = formats::builtin(&self.model) {
+        if let Some(model) = models::builtin(&self.model) {
             return Ok(model);
         }
         let path = Path::new(&self.model);
         if !path.exists() && path.extension().is_none() && !self.model.contains(std::path::is_separator) {
-            let names: Vec<&str> =
-                formats::BUILTINS.iter().chain(formats::HARD).chain(formats::TRIMMED).map(|(name, _)| *name).collect();
+            let names: Vec<&str> = models::all().map(|(name, _)| *name).collect();
             bail!("there is no built-in model {:?} (there are {}), and no such file", self.model, names.join(", "));
         }
         Ok(formats::read(path)?)

@@ -228,7 +228,7 @@ fn saved_gbuffers_that_cannot_be_judged_are_refused() {
 #[test]
 fn a_small_file_of_large_arrays_costs_nothing_before_its_model_is_known() {
     use scene::{Camera, FaceId, Viewport};
-    let model = formats::builtin("sphere").expect("built in");
+    let model = models::builtin("sphere").expect("built in");
     let viewport = Viewport::new(4000, 1800).expect("a legal size");
     let camera = Camera::framing(&model, viewport);
     let mut meta = gbuffer::Meta::new("other", "exact", &model, &camera);

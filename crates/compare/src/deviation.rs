@@ -287,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_piece_takes_its_own_number_or_the_one_for_all_and_two_sides_add_up() {
-        let model = formats::builtin("surface").expect("built in");
+        let model = models::builtin("surface").expect("built in");
         let pieces = model.surfaces()[0].bezier_patches().len();
         let each: Vec<f64> = (0..pieces).map(|piece| 1.0 + piece as f64).collect();
         let of = |chord: Vec<f64>| Deviation::of_proxy(&Interpolation::of(&model), &[chord], 0.25);

@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn a_place_is_material_cut_or_on_the_edge() {
-        let model = formats::builtin("islands").expect("built in");
+        let model = models::builtin("islands").expect("built in");
         let region = model.region(FaceId(0)).expect("trimmed");
         let size = region.domain().size();
         let places: Vec<(DVec2, Place)> = (0..2000)

@@ -1,4 +1,4 @@
-//! Files in, faces out: readers of surface models, and the models that are built in.
+//! Files in, faces out: readers of surface models.
 //!
 //! [`read`] opens a file of any known format; each format is a module that turns text into a checked
 //! [`scene::Model`]. Input is not trusted: whatever the bytes, the answer is a model or a [`FormatError`] that names
@@ -6,18 +6,11 @@
 //! [`MAX_FILE_BYTES`].
 
 pub mod bpt;
-mod builtin;
-mod construction;
 mod error;
-mod hard;
 pub mod json;
 mod open;
 mod place;
-mod trimmed;
 mod wrap;
 
-pub use builtin::{BUILTINS, builtin};
 pub use error::FormatError;
-pub use hard::HARD;
 pub use open::{MAX_FILE_BYTES, read};
-pub use trimmed::TRIMMED;

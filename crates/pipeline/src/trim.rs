@@ -211,8 +211,8 @@ mod tests {
 
     #[test]
     fn the_fragment_knows_its_side_but_for_a_band_along_the_edges() {
-        for name in formats::TRIMMED.iter().map(|(name, _)| name) {
-            let model = formats::builtin(name).expect("built in");
+        for name in models::TRIMMED.iter().map(|(name, _)| name) {
+            let model = models::builtin(name).expect("built in");
             let scene = PackedScene::new(&model, Scheme::General).expect("small");
             for (index, face) in scene.faces().iter().enumerate() {
                 let Some(region) = model.region(FaceId(index as u32)) else { continue };

@@ -127,7 +127,7 @@ mod tests {
     /// The quartic of one face and the cubic of the other are known to run up to a millionth apart.
     #[test]
     fn a_shared_edge_knows_how_far_apart_its_curves_run() {
-        let model = formats::builtin("seam-pair").expect("built in");
+        let model = models::builtin("seam-pair").expect("built in");
         let edges = model.shared_edges();
         assert_eq!(edges.len(), 1);
         assert_eq!(edges[0].faces.iter().map(|face| face.0).collect::<Vec<_>>(), [0, 1]);
@@ -137,7 +137,7 @@ mod tests {
     /// The two sides of the window's seam are one line, and its loops across the seam share none.
     #[test]
     fn a_seam_is_an_edge_that_a_face_shares_with_itself() {
-        let model = formats::builtin("window").expect("built in");
+        let model = models::builtin("window").expect("built in");
         let edges = model.shared_edges();
         assert_eq!(edges[0].faces.len(), 2);
         assert!(edges[0].gap <= 1e-12 * model.hull().diagonal(), "{}", edges[0].gap);

@@ -1,7 +1,7 @@
 //! Boxes and framing: what a model shows, to 1 %, whatever its control points and trims do.
 
-use formats::builtin;
 use glam::{DVec2, DVec3};
+use models::builtin;
 use nurbs::{Hull, KnotVector, Surface};
 use scene::{Camera, FaceId, Model, Region, Viewport};
 use std::path::PathBuf;
@@ -73,7 +73,7 @@ fn a_sphere_cut_by_tilted_planes_has_the_box_of_the_sphere() {
 
 #[test]
 fn boxes_hold_what_is_seen_and_little_more() {
-    for (name, _) in formats::BUILTINS {
+    for (name, _) in models::BUILTINS {
         let model = builtin(name).expect("built in");
         assert_tight(name, model.hull(), sampled(&model), 0.01);
     }

@@ -21,7 +21,7 @@ fn grids(model: &Model, error_px: f64) -> (PackedScene, Grids) {
 #[test]
 fn every_corner_is_on_its_face_at_its_own_parameters() {
     for name in ["teapot", "torus", "sphere", "surface", "rational", "spray"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let (scene, grids) = grids(&model, 0.25);
         for vertex in &grids.picture.mesh.vertices {
             let surface = model.surface(FaceId(vertex.face));
@@ -38,7 +38,7 @@ fn every_corner_is_on_its_face_at_its_own_parameters() {
 #[test]
 fn no_triangle_is_farther_from_its_face_than_the_chord_says() {
     for name in ["teapot", "torus", "sphere", "surface", "rational"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         for error_px in [0.25, 2.0] {
             let (scene, grids) = grids(&model, error_px);
             for corners in grids.picture.mesh.indices.chunks_exact(3) {
@@ -103,7 +103,7 @@ fn turned(surface: &Surface, transposed: bool) -> Surface {
 
 /// A closed surface in six pieces, each a face in coordinates of its own, whose parameters run in all ways.
 fn in_pieces(name: &str) -> Model {
-    let whole = formats::builtin(name).expect("built in").surfaces()[0].clone();
+    let whole = models::builtin(name).expect("built in").surfaces()[0].clone();
     let [[u0, u1], [v0, v1]] = whole.domain();
     let at = |[a, b]: [f64; 2], t: f64| a + (b - a) * t;
     let [low, rest] = whole.split(Direction::U, at([u0, u1], 0.3)).expect("inside");
@@ -243,7 +243,7 @@ fn borders_of_other_degrees_between_the_same_ends_are_not_taken_for_one() {
 #[test]
 fn an_edit_shows_on_the_device_what_the_edited_model_shows() {
     let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
-    let model = formats::builtin("rational").expect("built in");
+    let model = models::builtin("rational").expect("built in");
     let surface = &model.surfaces()[0];
     let middle = surface.points().len() / 2;
     let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());

@@ -12,7 +12,7 @@ fn many_steps_show_what_one_shows_and_what_technique_grid_shows() {
     let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
     let viewport = Viewport::new(96, 72).expect("a legal size");
     for name in ["teapot", "islands"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let camera = Camera::framing(&model, viewport);
         let scene = PackedScene::new(&model, Scheme::Specialised).expect("it packs");
         let grids = Grids::new(&model, &scene, &camera, viewport, 0.25).expect("few triangles");
@@ -38,7 +38,7 @@ fn many_steps_show_what_one_shows_and_what_technique_grid_shows() {
 fn no_grid_is_a_picture_of_nothing() {
     let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
     let viewport = Viewport::new(16, 16).expect("a legal size");
-    let model = formats::builtin("teapot").expect("built in");
+    let model = models::builtin("teapot").expect("built in");
     let scene = PackedScene::new(&model, Scheme::Specialised).expect("it packs");
     let views = scene.views(&model, &Camera::framing(&model, viewport), viewport);
     let mut renderer = Renderer::new(&device, &scene, &Zones::default(), RendererOptions::default()).expect("it fits");

@@ -115,7 +115,7 @@ pub fn viewport() -> Viewport {
 }
 
 fn builtin(name: &str) -> Model {
-    formats::builtin(name).expect("built in")
+    models::builtin(name).expect("built in")
 }
 
 fn framed(model: Model) -> Shown {

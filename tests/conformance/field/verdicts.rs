@@ -114,7 +114,7 @@ fn close_ups_agree_only_within_their_bound_and_never_when_shifted() {
 /// The near plane is behind the surface in part of the picture, and triangles reach the eye.
 #[test]
 fn an_eye_on_the_surface_gets_no_agreement_over_an_empty_picture() {
-    let model = formats::builtin("petal").expect("built in");
+    let model = models::builtin("petal").expect("built in");
     let camera = near(&model, 1e-9);
     let stage = Stage::new(&model, camera, viewport(), Plan::default()).expect("a stage");
     let caster = Caster::new(&model);

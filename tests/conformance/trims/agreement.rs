@@ -75,8 +75,7 @@ fn assert_agreement<'m>(models: impl IntoIterator<Item = &'m Model>, side: usize
 
 #[test]
 fn three_renderers_agree_on_every_trimmed_model_in_both_techniques() {
-    let models: Vec<Model> =
-        formats::TRIMMED.iter().map(|(name, _)| formats::builtin(name).expect("built in")).collect();
+    let models: Vec<Model> = models::TRIMMED.iter().map(|(name, _)| models::builtin(name).expect("built in")).collect();
     assert_agreement(&models, SIDE);
 }
 
@@ -100,7 +99,7 @@ fn a_missing_inner_loop_differs_along_the_trim() {
     let device = gpu::Device::open(None).expect(ADAPTER);
     let viewport = Viewport::new(SIDE, SIDE).expect("a legal size");
     for (name, index) in [("islands", 3), ("cusp", 1), ("plate", 45)] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let caster = Caster::new(&model);
         let camera = Camera::framing(&model, viewport);
         let stage = Stage::new(&model, camera, viewport, Plan::default()).expect("a stage");

@@ -16,7 +16,7 @@ const BY_CHANCE: f64 = 1.5;
 
 /// The loops of a built-in model's first face on a plane where (x, y) = (u, v).
 fn flat(name: &str) -> Model {
-    let model = formats::builtin(name).expect("built in");
+    let model = models::builtin(name).expect("built in");
     let face = &model.faces()[0];
     let [[u0, u1], [v0, v1]] = model.surfaces()[face.surface].domain();
     let knots = |a: f64, b: f64| KnotVector::new(1, vec![a, a, b, b]).expect("legal");

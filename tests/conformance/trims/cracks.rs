@@ -70,7 +70,7 @@ fn found(model: &Model, on_gpu: bool) -> Vec<(String, usize)> {
 
 #[test]
 fn an_edge_that_two_faces_share_shows_nothing_of_what_lies_behind() {
-    let model = formats::builtin("seam-pair").expect("built in");
+    let model = models::builtin("seam-pair").expect("built in");
     let cracked: Vec<_> = found(&model, true).into_iter().filter(|(_, count)| *count > 0).collect();
     assert!(cracked.is_empty(), "{cracked:?}");
 }
@@ -78,7 +78,7 @@ fn an_edge_that_two_faces_share_shows_nothing_of_what_lies_behind() {
 /// The check sees what it looks for: a gap that is the model's own.
 #[test]
 fn a_gap_of_the_models_own_is_shown() {
-    let model = formats::builtin("seam-pair").expect("built in");
+    let model = models::builtin("seam-pair").expect("built in");
     let surface = model.surface(FaceId(1));
     let apart = 1e-3 * model.hull().diagonal() * DVec3::Y;
     let moved: Vec<DVec3> = surface.points().iter().map(|p| *p + apart).collect();

@@ -148,8 +148,8 @@ fn all_three_record_what_the_judge_finds_on_every_trimmed_model() {
     let device = gpu::Device::open(None).expect(ADAPTER);
     let mut found = vec![];
     let mut recorded = 0;
-    for (name, _) in formats::TRIMMED {
-        let model = formats::builtin(name).expect("built in");
+    for (name, _) in models::TRIMMED {
+        let model = models::builtin(name).expect("built in");
         let caster = Caster::new(&model).with_edges(true);
         for &technique in techniques::ALL {
             let camera = Camera::framing(&model, viewport());
@@ -178,7 +178,7 @@ fn all_three_record_what_the_judge_finds_on_every_trimmed_model() {
 fn the_program_in_wgsl_records_the_edge_of_the_program_in_rust() {
     let device = gpu::Device::open(None).expect(ADAPTER);
     for name in ["plate", "islands"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         for &technique in techniques::ALL {
             let camera = Camera::framing(&model, viewport());
             let stage = Stage::new(&model, camera, viewport(), plan(technique)).expect("a stage");

@@ -32,7 +32,7 @@ impl Trimming {
     /// # Errors
     /// Where the model's surfaces make no model.
     pub fn new(side: usize) -> Result<Self> {
-        let trimmed = formats::builtin(MODEL).expect("built in");
+        let trimmed = models::builtin(MODEL).expect("built in");
         let whole = Model::of_surfaces(format!("{MODEL}, whole"), trimmed.surfaces().to_vec())?;
         let many = trimmed.faces().iter().cycle().take(FACES).cloned().collect();
         let cost = |technique: &'static dyn Technique| {

@@ -193,7 +193,7 @@ fn shown(path: &Path, meta: &Meta, named: Option<&str>) -> Result<Model> {
     let place = path.display();
     let model = match named {
         Some(name) => ModelArgs::named(name).open()?,
-        None => formats::builtin(&meta.model).with_context(|| {
+        None => models::builtin(&meta.model).with_context(|| {
             format!("{place}: its model {:?} is no built-in one; name its file by --model", meta.model)
         })?,
     };

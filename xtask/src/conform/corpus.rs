@@ -214,7 +214,7 @@ impl Corpus {
             }
         };
         for scene in scenes {
-            let model = formats::builtin(scene.model).expect("the corpus names built-in models");
+            let model = models::builtin(scene.model).expect("the corpus names built-in models");
             let info = SceneInfo::of(scene);
             for text in [&info.name, &info.model, &info.stresses, &info.unbounded_share.to_string(), &model.hash()] {
                 add(text);
@@ -365,7 +365,7 @@ impl Suite {
 
     /// How it draws each view of a scene.
     pub fn plans(self, scene: &Scene) -> Vec<Plan> {
-        let trimmed = formats::TRIMMED.iter().any(|(name, _)| *name == scene.model);
+        let trimmed = models::TRIMMED.iter().any(|(name, _)| *name == scene.model);
         let schemes: &[Scheme] = match self {
             Self::Smoke => &[Scheme::Specialised],
             // Trims are looked up by the same text in both.

@@ -171,7 +171,7 @@ impl Plans {
         let bar = terminal::progress("conform", report.expected().len());
         let mine = self.scenes.iter().enumerate().filter(|(place, _)| self.shard.holds(*place));
         for (_, scene) in mine {
-            let model = formats::builtin(scene.model).expect("the corpus names built-in models, as a test shows");
+            let model = models::builtin(scene.model).expect("the corpus names built-in models, as a test shows");
             let caster = Caster::new(&model);
             for &viewpoint in self.suite.viewpoints(scene) {
                 let side = self.suite.side();

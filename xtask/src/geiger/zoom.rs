@@ -32,7 +32,7 @@ pub(super) const SHOWS: &str = "a hole of the plate at 20 times the size: masks 
 /// # Errors
 /// Where the masks do not fit, or the model has no such hole.
 pub(super) fn pictures() -> Result<Picture> {
-    let model = formats::builtin("plate").expect("it is built in");
+    let model = models::builtin("plate").expect("it is built in");
     let picture = Viewport::new(SIDE, SIDE)?;
     let whole = Camera::framing(&model, picture);
     let viewport = Viewport::new(WINDOW, WINDOW)?;

@@ -110,7 +110,7 @@ fn hulls() -> Vec<Shown> {
 }
 
 fn builtin(name: &str) -> Model {
-    formats::builtin(name).expect("built in")
+    models::builtin(name).expect("built in")
 }
 
 /// The same view, without perspective.

@@ -12,7 +12,7 @@ fn every_scene_shows_its_model_from_every_viewpoint() {
     let mut names = BTreeSet::new();
     for scene in SCENES {
         assert!(names.insert(scene.name), "{} is there twice", scene.name);
-        let model = formats::builtin(scene.model).unwrap_or_else(|| panic!("{} is not built in", scene.model));
+        let model = models::builtin(scene.model).unwrap_or_else(|| panic!("{} is not built in", scene.model));
         let caster = Caster::new(&model);
         for viewpoint in scene.viewpoints {
             let camera = viewpoint.camera(&model, viewport);
@@ -24,7 +24,7 @@ fn every_scene_shows_its_model_from_every_viewpoint() {
 
 #[test]
 fn degrees_1_to_9_are_there_in_both_directions() {
-    let models = SCENES.iter().filter_map(|scene| formats::builtin(scene.model));
+    let models = SCENES.iter().filter_map(|scene| models::builtin(scene.model));
     let degrees: Vec<[usize; 2]> =
         models.flat_map(|m| m.surfaces().iter().map(|s| s.degree()).collect::<Vec<_>>()).collect();
     for direction in 0..2 {
@@ -34,12 +34,12 @@ fn degrees_1_to_9_are_there_in_both_directions() {
 
 #[test]
 fn every_trimmed_model_is_a_scene_and_masks_are_asked_for_where_they_are_named() {
-    for (name, _) in formats::TRIMMED {
+    for (name, _) in models::TRIMMED {
         assert!(SCENES.iter().any(|scene| scene.model == *name && !scene.masked), "{name}");
     }
     let viewport = Viewport::new(32, 32).expect("a legal size");
     for scene in SCENES {
-        let model = formats::builtin(scene.model).expect("built in");
+        let model = models::builtin(scene.model).expect("built in");
         let camera = scene.viewpoints[0].camera(&model, viewport);
         let wanted = if scene.name.starts_with("masks-") { "texture" } else { "exact" };
         for suite in [Suite::Smoke, Suite::Standard, Suite::Full] {
@@ -78,7 +78,7 @@ fn each_suite_holds_the_one_below_it() {
 fn the_options_of_a_case_are_those_of_its_camera() {
     let viewport = Viewport::new(56, 56).expect("a legal size");
     let scene = SCENES.iter().find(|scene| scene.name == "offset-1e6").expect("in the corpus");
-    let model = formats::builtin(scene.model).expect("built in");
+    let model = models::builtin(scene.model).expect("built in");
     for viewpoint in scene.viewpoints {
         let camera = viewpoint.camera(&model, viewport);
         let options = command_options(&camera, viewport, Plan::default());

@@ -1,7 +1,8 @@
 //! Bad input of every kind gets a message with the file, the place and the value, and never a panic.
 
 use crate::common::root;
-use formats::{FormatError, MAX_FILE_BYTES, bpt, builtin, json, read};
+use formats::{FormatError, MAX_FILE_BYTES, bpt, json, read};
+use models::builtin;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 use scene::{Face, Model};
 use std::fs::{self, File};

@@ -1,7 +1,8 @@
 //! What may be left out of a file, and the two extensions, against the same surface written in full.
 
 use crate::common::model_bits;
-use formats::{builtin, json};
+use formats::json;
+use models::builtin;
 use nurbs::{Direction, KnotVector};
 use scene::Model;
 

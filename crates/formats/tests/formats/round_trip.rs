@@ -1,8 +1,9 @@
 //! Real and random models survive reading and writing bit for bit.
 
 use crate::common::{json_files, model_bits, models, root};
-use formats::{BUILTINS, builtin, json, read};
+use formats::{json, read};
 use glam::{DVec2, DVec3};
+use models::{BUILTINS, builtin};
 use nurbs::{KnotVector, Surface};
 use proptest::collection::vec;
 use proptest::prelude::*;

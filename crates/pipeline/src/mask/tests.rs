@@ -14,7 +14,7 @@ fn planned(model: &Model, options: &MaskOptions) -> Result<MaskPlan, MaskError> 
 }
 
 fn models() -> impl Iterator<Item = (&'static str, Model)> {
-    formats::TRIMMED.iter().map(|(name, _)| (*name, formats::builtin(name).expect("built in")))
+    models::TRIMMED.iter().map(|(name, _)| (*name, models::builtin(name).expect("built in")))
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn chords_are_as_near_their_curves_as_the_second_derivative_says() {
 
 #[test]
 fn masks_that_do_not_fit_are_coarser_and_say_so_until_there_is_not_a_texel_for_each() {
-    let model = formats::builtin("pieces").expect("built in");
+    let model = models::builtin("pieces").expect("built in");
     let of = |memory| planned(&model, &MaskOptions { memory, ..MaskOptions::default() });
     let whole = of(256 << 20).expect("they fit");
     let half = of(whole.bytes() / 4).expect("coarser ones fit");
@@ -74,7 +74,7 @@ fn masks_that_do_not_fit_are_coarser_and_say_so_until_there_is_not_a_texel_for_e
 
 #[test]
 fn senseless_qualities_are_refused() {
-    let model = formats::builtin("islands").expect("built in");
+    let model = models::builtin("islands").expect("built in");
     let of = |quality| planned(&model, &MaskOptions { quality, ..MaskOptions::default() });
     for px in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(of(MaskQuality::Error { px }), Err(MaskError::Error { .. })), "{px}");
@@ -87,7 +87,7 @@ fn senseless_qualities_are_refused() {
 
 #[test]
 fn a_model_without_trims_needs_no_masks() {
-    let model = formats::builtin("teapot").expect("built in");
+    let model = models::builtin("teapot").expect("built in");
     let plan = planned(&model, &MaskOptions::default()).expect("nothing to fit");
     assert!(plan.tiles.iter().all(Option::is_none) && plan.bytes() <= 2 && plan.chords() == 0);
 }

@@ -319,7 +319,7 @@ fn the_surface_in_f64_lies_within_the_packing_bound() {
 #[test]
 fn half_widths_are_of_the_size_of_the_errors_seen() {
     for name in ["teapot", "surface", "rational"] {
-        let model = formats::builtin(name).expect("built in");
+        let model = models::builtin(name).expect("built in");
         let scene = PackedScene::new(&model, Scheme::Specialised).expect("packable");
         let mut random = Random(7);
         // Half-widths and errors of S, the normal, the curvatures.

@@ -387,7 +387,7 @@ mod tests {
         let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
         let viewport = Viewport::new(96, 72).unwrap();
         for name in ["teapot", "rational", "islands", "spray", "pieces"] {
-            let model = formats::builtin(name).unwrap();
+            let model = models::builtin(name).unwrap();
             let scene = PackedScene::new(&model, Scheme::Specialised).unwrap();
             let framed = Camera::framing(&model, viewport);
             let near = model.hull().center() + (framed.eye() - model.hull().center()) * 0.3;

@@ -2,7 +2,7 @@
 //!
 //! A model's own module gives the numbers; what is made of them is checked by `nurbs` and goes back to it.
 
-use crate::json;
+use formats::json;
 use glam::DVec3;
 use nurbs::{KnotVector, Surface};
 use scene::Model;
@@ -57,6 +57,20 @@ pub(crate) fn sample(knots_u: &KnotVector, knots_v: &KnotVector, shape: impl Fn(
 
 pub(crate) fn sampled(knots_u: KnotVector, knots_v: KnotVector, shape: impl Fn(f64, f64) -> DVec3) -> Surface {
     let points = sample(&knots_u, &knots_v, shape);
+    surface(knots_u, knots_v, points, None)
+}
+
+/// Bicubic, closed in u by periodic knots, of `around` × `along` spans; `shape` maps the unit square and is periodic in u.
+pub(crate) fn closed([around, along]: [usize; 2], shape: impl Fn(f64, f64) -> DVec3) -> Surface {
+    let period: Vec<f64> = (0..=around).map(|k| k as f64).collect();
+    let knots_u = KnotVector::periodic(3, &period).expect("sorted, and as long as asked for");
+    let knots_v = even(3, along + 3);
+    let mut points = vec![];
+    for i in 0..knots_u.control_count() {
+        for j in 0..knots_v.control_count() {
+            points.push(shape(greville(&knots_u, i % around), greville(&knots_v, j)));
+        }
+    }
     surface(knots_u, knots_v, points, None)
 }
 

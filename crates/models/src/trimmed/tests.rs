@@ -1,7 +1,8 @@
 //! That each model is what its name and line promise.
 
 use super::*;
-use crate::{BUILTINS, HARD, builtin, json};
+use crate::{BUILTINS, HARD, builtin};
+use formats::json;
 use nurbs::basis_derivatives;
 
 /// C(t) in homogeneous coordinates and its first derivative, by the general basis algorithm.

@@ -4,11 +4,12 @@
 //! same numbers on every machine: `+ − × ÷ √` and the sine and cosine of the `libm` crate.
 
 use crate::construction::{
-    CIRCLE, QUARTERS, clamped, embedded, even, greville, knots, revolved, sample, sampled, sphere, surface,
+    CIRCLE, QUARTERS, clamped, even, greville, knots, revolved, sample, sampled, sphere, surface,
 };
 use crate::hard::hard;
+use crate::published::published;
+use crate::tea_set;
 use crate::trimmed::trimmed;
-use crate::wrap::wrap;
 use glam::{DVec3, DVec4};
 use libm::{cos, sin};
 use nurbs::{KnotVector, Surface};
@@ -32,13 +33,12 @@ pub const BUILTINS: &[(&str, &str)] = &[
     ("spray", "a fountain of leaves: 266 bicubic surfaces of 18 x 18 control points"),
 ];
 
-/// The built-in model of that name; `None` where it is none of [`BUILTINS`], [`HARD`](crate::HARD) and
-/// [`TRIMMED`](crate::TRIMMED).
+/// The built-in model of that name; `None` where [`all`](crate::all) has no such name.
 pub fn builtin(name: &str) -> Option<Model> {
     let surfaces = match name {
-        "teapot" => return Some(embedded(include_str!("../../../testdata/models/teapot.json"))),
-        "teacup" => return Some(embedded(include_str!("../../../testdata/models/teacup.json"))),
-        "teaspoon" => return Some(embedded(include_str!("../../../testdata/models/teaspoon.json"))),
+        "teapot" => return Some(tea_set::teapot()),
+        "teacup" => return Some(tea_set::teacup()),
+        "teaspoon" => return Some(tea_set::teaspoon()),
         "sphere" => vec![sphere()],
         "torus" => vec![torus()],
         "surface" => vec![wave(|_, _| 1.0)],
@@ -49,7 +49,7 @@ pub fn builtin(name: &str) -> Option<Model> {
         "unclamped" => vec![dome()],
         "periodic" => vec![vase()],
         "spray" => spray(),
-        _ => return hard(name).or_else(|| trimmed(name)),
+        _ => return hard(name).or_else(|| trimmed(name)).or_else(|| published(name)),
     };
     Some(Model::of_surfaces(name, surfaces).expect("each has a surface"))
 }
@@ -133,16 +133,15 @@ fn vase() -> Surface {
     let knots_u = KnotVector::periodic(3, &period).expect("sorted, and as long as asked for");
     let knots_v = clamped(3, &[0.2, 0.45, 0.7, 0.85]);
     let mut points = vec![];
-    for i in 0..VASE_COUNT {
-        let angle = TAU * greville(&knots_u, i);
+    // As many more as the degree close it: the first ones again.
+    for i in 0..knots_u.control_count() {
+        let angle = TAU * greville(&knots_u, i % VASE_COUNT);
         for j in 0..knots_v.control_count() {
             let v = greville(&knots_v, j);
             let radius = (0.36 + 0.16 * sin(5.5 * v + 0.3)) * (1.0 + 0.14 * cos(4.0 * angle + 2.0 * v));
             points.push(DVec3::new(radius * cos(angle), radius * sin(angle), 1.3 * v - 0.65));
         }
     }
-    let counts = [VASE_COUNT, knots_v.control_count()];
-    let points = wrap(&points, counts, [Some(3), None]);
     surface(knots_u, knots_v, points, None)
 }
 

@@ -1,0 +1,38 @@
+//! Renderers whose pictures disagree are not timed.
+
+use crate::stage::{Plan, Stage};
+use anyhow::Result;
+use compare::Verdict;
+use raycast::Caster;
+use scene::{Camera, Model, Viewport};
+
+/// Size at which renderers are compared before they are timed.
+const CHECK: usize = 96;
+
+/// What two renderers of a model disagree on, each pair judged as `compare` does; `None` where all agree.
+///
+/// # Errors
+/// Where one cannot be run.
+pub fn disagreement(model: &Model, device: Option<&gpu::Device>, plan: Plan) -> Result<Option<String>> {
+    let viewport = Viewport::new(CHECK, CHECK)?;
+    let stage = Stage::new(model, Camera::framing(model, viewport), viewport, plan)?;
+    let caster = Caster::new(model);
+    let (raycast, raster) = (stage.raycast(&caster), stage.raster());
+    let mut pairs = vec![stage.against_raycast(&caster, &raycast, &raster)?];
+    if let Some(device) = device {
+        let on_gpu = stage.gpu(device, None, gpu::Overrides::default())?;
+        pairs.push(stage.against_raycast(&caster, &raycast, &on_gpu.gbuffer)?);
+        pairs.push(stage.against_raster(&raster, &on_gpu.gbuffer)?);
+    }
+    Ok(pairs.iter().find(|pair| pair.verdict != Verdict::Agree).map(|pair| {
+        format!(
+            "{} and {} disagree on {} in {} pixels; there is nothing to time (see `cargo xtask compare {} --technique {}`)",
+            pair.reference,
+            pair.candidate,
+            model.name(),
+            pair.differing(),
+            model.name(),
+            plan.technique.name()
+        )
+    }))
+}
