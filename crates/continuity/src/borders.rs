@@ -29,7 +29,11 @@ fn of_face(model: &Model, face: FaceId) -> Vec<Given<'_>> {
     let closed = closed(surface);
     let mut patches = Patches::new(surface);
     let edge = |origin: Origin| match origin {
-        Origin::Trim { boundary, trim } => model.faces()[face.0 as usize].loops[boundary].trims[trim].edge,
+        Origin::Trim { boundary, trim } => {
+            let trim = &model.faces()[face.0 as usize].loops[boundary].trims[trim];
+            // A point in space is no edge of two faces, whatever number it has.
+            trim.edge.filter(|_| !trim.degenerate)
+        }
         Origin::Side(_) => None,
     };
     let curves = model.region(face).map_or_else(|| sides(surface), curves);

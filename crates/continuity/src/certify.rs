@@ -93,7 +93,7 @@ pub struct Degenerate {
     pub at: Place,
     /// The length of the edge that is left out there, by chords, model units.
     pub length: f64,
-    /// What has no bound there.
+    /// What has no bound there: the angle and with it the curvature, or the curvature alone.
     pub criterion: Criterion,
 }
 
@@ -278,15 +278,14 @@ impl Search<'_, '_> {
                 continue;
             }
             is_perpendicular &= open.is_foot;
+            let is_without =
+                |criterion: Criterion| is_short && open.measured[criterion as usize].upper == f64::INFINITY;
+            let without = [Criterion::Angle, Criterion::Curvature].into_iter().find(|criterion| is_without(*criterion));
+            degenerate.extend(without.map(|criterion| self.degenerate(&open.stretch, criterion)));
             for (k, peak) in open.measured.iter().enumerate() {
-                let without = [(1, Criterion::Angle), (2, Criterion::Curvature)].into_iter().find(|(i, _)| *i == k);
-                match without {
-                    Some((_, criterion)) if is_short && peak.upper == f64::INFINITY => {
-                        degenerate.push(self.degenerate(&open.stretch, criterion));
-                    }
-                    // The difference has no bound where the relative one has none.
-                    None if k == Criterion::Difference as usize && is_short && peak.upper == f64::INFINITY => {}
-                    _ => bounds[k] = f64::max(bounds[k], peak.upper),
+                // The gap has a bound everywhere, or the edge is undecided.
+                if without.is_none() || k == Criterion::Gap as usize || peak.upper < f64::INFINITY {
+                    bounds[k] = f64::max(bounds[k], peak.upper);
                 }
             }
         }

@@ -13,6 +13,9 @@ use std::collections::BTreeMap;
 /// Shares of a part's length at which it must lie near another.
 const INNER: [f64; 3] = [0.25, 0.5, 0.75];
 
+/// A border that is shorter than this share of the reach has no direction, and is a point though a file numbers it.
+const POINT: f64 = 1e-9;
+
 /// The most cuts of one border by ends of others; a border that more ends come near is cut no further.
 const MOST_CUTS: usize = 1 << 12;
 
@@ -69,7 +72,9 @@ pub fn neighbours(given: Vec<Given<'_>>, reach: f64) -> Neighbours<'_> {
     }
     let mut groups = vec![];
     for (edge, borders) in numbered {
-        if borders.len() > 1 {
+        if borders.iter().any(|border| border.length() <= POINT * reach) {
+            points.extend(borders);
+        } else if borders.len() > 1 {
             groups.push(Group { source: Source::File(edge), borders: aligned(borders) });
         } else {
             let border = borders.into_iter().next().expect("one");

@@ -225,7 +225,7 @@ pub fn report(model: &Model, settings: Settings) -> Report {
         hash: model.hash(),
         settings,
         verdict: edges.iter().map(|edge| edge.verdict).max().unwrap_or(Verdict::Pass),
-        class: edges.iter().map(|edge| edge.class).try_fold(Class::A, |worst, class| class.map(|c| worst.max(c))),
+        class: worst_class(&edges),
         is_matched,
         free: names(&found.free),
         points: names(&found.points),
@@ -243,6 +243,12 @@ pub fn report(model: &Model, settings: Settings) -> Report {
         edges,
         non_manifold,
     }
+}
+
+/// The finest class that all edges reach; `None` where one reaches none, or there is none.
+fn worst_class(edges: &[EdgeReport]) -> Option<Class> {
+    let classes: Option<Vec<Class>> = edges.iter().map(|edge| edge.class).collect();
+    classes?.into_iter().max()
 }
 
 /// How far the worst judged bound is above its limit.
