@@ -9,6 +9,7 @@ pub mod bless;
 pub mod ci;
 pub mod compare;
 pub mod conform;
+pub mod continuity;
 pub mod cost;
 pub mod eval;
 pub mod format;

@@ -444,6 +444,46 @@ fn a_bad_face_is_named_and_the_good_one_is_drawn_unless_strict() {
 }
 
 #[test]
+fn continuity_answers_with_its_exit_code_and_names_the_place() {
+    // Two squares of side 2 that meet along x = 1, the second one's far side lifted by `lift`, all of it raised by `step`.
+    let pair = |name: &str, step: f64, lift: f64| {
+        let mut model = square();
+        let mut other = model["surfaces"][0].clone();
+        other["points"] =
+            json!([[1.0, -1.0, step], [1.0, 1.0, step], [3.0, -1.0, step + lift], [3.0, 1.0, step + lift]]);
+        model["surfaces"].as_array_mut().expect("a list").push(other);
+        file(name, &model.to_string()).to_str().expect("UTF-8").to_owned()
+    };
+    let (smooth, stepped, bent) =
+        (pair("smooth.json", 0.0, 0.0), pair("stepped.json", 0.004, 0.0), pair("bent.json", 0.0, 0.1));
+    let code = |arguments: &[&str]| xtask(arguments).status.code();
+    assert_eq!(code(&["continuity", &smooth]), Some(0));
+    assert_eq!(code(&["continuity", &stepped]), Some(0), "0.004 is below 0.01");
+    assert_eq!(code(&["continuity", &stepped, "--gap", "0.003", "--reach", "0.01"]), Some(1));
+    assert_eq!(code(&["continuity", &bent]), Some(1));
+    assert_eq!(code(&["continuity", &bent, "--class", "C"]), Some(1), "2.9 degrees");
+    assert_eq!(code(&["continuity", &bent, "--angle", "3"]), Some(0));
+    // Nothing that is shared is nothing that passes.
+    let alone = file("alone.json", &square().to_string());
+    assert_eq!(code(&["continuity", alone.to_str().expect("UTF-8")]), Some(2));
+    refused(&["continuity", &smooth, "--gap", "0"], &["--gap", "positive"]);
+    let output = xtask(&["continuity", &bent, "--format", "json"]);
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let edge = &report["edges"][0];
+    assert_eq!((&report["verdict"], &edge["verdict"]), (&json!("fail"), &json!("fail")));
+    let angle = edge["angle_deg"]["seen"].as_f64().expect("a number");
+    assert!((angle - 0.05f64.atan().to_degrees()).abs() < 1e-9, "{angle}");
+    assert_eq!(edge["angle_deg"]["at"]["position"][0], json!(1.0));
+    let page = file("bent.html", "");
+    let output = xtask(&["continuity", &bent, "--format", "html", "--out", page.to_str().expect("UTF-8")]);
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
+    let page = std::fs::read_to_string(page).expect("a page");
+    for word in ["<svg", "Signature", report["hash"].as_str().expect("a hash"), "fail"] {
+        assert!(page.contains(word), "no {word:?} in the page");
+    }
+}
+
+#[test]
 fn info_says_how_many_bicubic_patches_stand_for_a_model_and_names_the_patch_that_cannot_be() {
     let info = |tolerance| xtask(&["info", "quintic-quadratic", "--approximate", tolerance, "--format", "json"]);
     let found: Value = serde_json::from_slice(&info("1e-4").stdout).expect("JSON");

@@ -102,8 +102,8 @@ impl Model {
     }
 }
 
-/// Whether the opposite borders of a surface are one, by three points of each.
-fn closed(surface: &Surface) -> [bool; 2] {
+/// Whether the two borders of a surface across u are one, and those across v: by three points of each, to 1e-6 of its box.
+pub fn closed(surface: &Surface) -> [bool; 2] {
     let [[u0, u1], [v0, v1]] = surface.domain();
     let near = |[a, b, c, d]: [f64; 4]| {
         surface.point(a, b).distance(surface.point(c, d)) <= CLOSED * surface.hull().diagonal()

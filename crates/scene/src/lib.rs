@@ -15,7 +15,7 @@ mod samples;
 mod viewport;
 
 pub use camera::{Camera, Projection, Ray};
-pub use edges::SharedEdge;
+pub use edges::{SharedEdge, closed};
 pub use error::{SceneError, TrimPlace};
 pub use face::{Face, FaceId, Loop, Trim};
 pub use model::Model;
