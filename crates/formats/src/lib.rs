@@ -1,23 +1,29 @@
 //! Files in, faces out: readers of surface models, and the models that are built in.
 //!
-//! [`read`] opens a file of any known format; each format is a module that turns text into a checked
-//! [`scene::Model`]. Input is not trusted: whatever the bytes, the answer is a model or a [`FormatError`] that names
-//! the file, the place and the value; memory stays within a constant times the size of the file, which is at most
-//! [`MAX_FILE_BYTES`].
+//! [`open`] reads a file of any format of the one list, [`FORMATS`]. Each format is a folder with a [`Format`]: bytes in, a
+//! [`Document`] out, which is a checked [`scene::Model`] and what is to be known of how it was read. Input is not trusted:
+//! whatever the bytes, the answer is a document or a [`FormatError`] that names the file, the place and the cause; memory
+//! stays within a constant times the size of the file, which is at most [`MAX_FILE_BYTES`].
 
 pub mod bpt;
 mod builtin;
 mod construction;
+mod document;
 mod error;
+mod format;
 mod hard;
 pub mod json;
+mod member;
 mod open;
 mod place;
 mod trimmed;
 mod wrap;
 
 pub use builtin::{BUILTINS, builtin};
-pub use error::FormatError;
+pub use document::{Document, Note, NoteKind, Unit};
+pub use error::{Cause, FormatError};
+pub use format::Format;
 pub use hard::HARD;
-pub use open::{MAX_FILE_BYTES, read};
+pub use open::{FORMATS, MAX_FILE_BYTES, open, read};
+pub use place::Place;
 pub use trimmed::TRIMMED;
