@@ -6,6 +6,7 @@
 //! stays within a constant times the size of the file, which is at most [`MAX_FILE_BYTES`].
 
 pub mod bpt;
+mod brep;
 mod builtin;
 mod construction;
 mod document;
@@ -16,6 +17,7 @@ pub mod json;
 mod member;
 mod open;
 mod place;
+mod step;
 mod trimmed;
 mod wrap;
 

@@ -1,0 +1,6 @@
+//! STEP files through the public interface.
+
+#[path = "../formats/common.rs"]
+#[allow(dead_code)]
+mod common;
+mod oracle;
