@@ -35,11 +35,12 @@ pub(super) const REPRESENTATIONS: [&str; 10] = [
 ];
 
 /// Keywords of what places representations in each other.
-pub(super) const RELATIONS: [&str; 4] = [
+pub(super) const RELATIONS: [&str; 5] = [
     "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION",
     "SHAPE_REPRESENTATION_RELATIONSHIP",
     "REPRESENTATION_RELATIONSHIP",
     "SHAPE_DEFINITION_REPRESENTATION",
+    "REPRESENTATION_MAP",
 ];
 
 /// A face, or a surface that stands by itself, at a place.
@@ -109,6 +110,8 @@ fn relations(
         children.entry(parent).or_default().push(Child { representation, motion });
         inner.insert(representation);
     };
+    let mapped = |map: &u64| instances.get(*map)?.parameters().reference(1).ok();
+    let mapped: Vec<u64> = of["REPRESENTATION_MAP"].iter().filter_map(mapped).collect();
     // The product definition that a representation shows.
     let mut shown: BTreeMap<u64, u64> = BTreeMap::new();
     for number in &of["SHAPE_DEFINITION_REPRESENTATION"] {
@@ -163,6 +166,7 @@ fn relations(
             Err(fault) => faults.push(fault),
         }
     }
+    inner.extend(mapped);
     (children, inner)
 }
 

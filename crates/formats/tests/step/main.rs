@@ -1,6 +1,9 @@
 //! STEP files through the public interface.
 
+mod cases;
+mod closed_forms;
 #[path = "../formats/common.rs"]
 #[allow(dead_code)]
 mod common;
 mod oracle;
+mod writer;
