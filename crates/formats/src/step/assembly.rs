@@ -14,11 +14,10 @@ use std::collections::{BTreeMap, BTreeSet};
 /// How deep representations may stand in each other.
 const DEEPEST: usize = 64;
 
-/// The most faces that are shown, those that stand at several places counted at each.
-const MOST_FACES: usize = 1 << 18;
-
-/// The most representations that are entered, at all of their places.
-const MOST_ENTERED: usize = 1 << 18;
+/// How many faces are shown at most, those that stand at several places counted at each, and how many representations are
+/// entered: so many, and one more for so many bytes of the file. Each level of an assembly may double what a few bytes show.
+const FACES: usize = 1 << 14;
+const BYTES_A_FACE: usize = 64;
 
 /// Keywords of representations of shapes.
 pub(super) const REPRESENTATIONS: [&str; 10] = [
@@ -81,6 +80,10 @@ struct Walk<'f, 'b> {
     /// The representations that are being entered.
     path: Vec<u64>,
     entered: usize,
+    /// The most faces, and representations entered.
+    most: usize,
+    /// Whether it was said that there are more.
+    is_full: bool,
 }
 
 impl Assembly {
@@ -89,7 +92,17 @@ impl Assembly {
         let mut faults = vec![];
         let (children, inner) = relations(instances, of, &mut faults);
         let assembly = Self { faults, ..Self::default() };
-        let mut walk = Walk { instances, children, contexts: BTreeMap::new(), assembly, path: vec![], entered: 0 };
+        let most = FACES + instances.bytes() / BYTES_A_FACE;
+        let mut walk = Walk {
+            instances,
+            children,
+            contexts: BTreeMap::new(),
+            assembly,
+            path: vec![],
+            entered: 0,
+            most,
+            is_full: false,
+        };
         let mut all: BTreeSet<u64> = REPRESENTATIONS.iter().flat_map(|keyword| of[keyword].iter().copied()).collect();
         all.retain(|number| !inner.contains(number));
         for root in all {
@@ -206,8 +219,12 @@ impl Walk<'_, '_> {
         if self.path.contains(&number) {
             return self.fail(number, "it stands in itself");
         }
-        if DEEPEST <= self.path.len() || MOST_ENTERED < self.entered {
-            return self.fail(number, "too many representations stand in each other");
+        if DEEPEST <= self.path.len() || self.most < self.entered {
+            if !self.is_full {
+                self.is_full = true;
+                self.fail(number, "too many representations stand in each other");
+            }
+            return;
         }
         let Some(entity) = self.instances.get(number) else {
             return self.fail(number, "it is not in the file, or its text makes no sense");
@@ -321,10 +338,10 @@ impl Walk<'_, '_> {
     }
 
     fn place(&mut self, number: u64, motion: &Motion, reversed: bool, context: Option<u64>, instance: usize) {
-        // One more says that there are more.
-        if self.assembly.placed.len() < MOST_FACES {
+        if self.assembly.placed.len() < self.most {
             self.assembly.placed.push(Placed { number, motion: *motion, reversed, context, instance });
-        } else if self.assembly.placed.len() == MOST_FACES && self.assembly.faults.iter().all(|f| f.why != TOO_MANY) {
+        } else if !self.is_full {
+            self.is_full = true;
             self.fail(number, TOO_MANY);
         }
     }

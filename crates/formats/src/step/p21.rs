@@ -65,6 +65,11 @@ impl<'b> Instances<'b> {
         self.records.len()
     }
 
+    /// How long the file is.
+    pub fn bytes(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// The instance of a number, with its parameters; `None` where there is none, or its text makes no sense.
     pub fn get(&self, number: u64) -> Option<Entity<'b>> {
         let record = self.records[self.index(number)?];
@@ -180,9 +185,15 @@ impl Scan<'_> {
 
     /// The number of an instance, where one begins here: `#12 =`, and goes on behind the `=`.
     fn number(&mut self) -> Option<u64> {
-        let (number, length) = instance_start(&self.bytes[self.at..])?;
-        self.line += self.bytes[self.at..self.at + length].iter().filter(|b| **b == b'\n').count();
-        self.at += length;
+        let text = self.bytes[self.at..].strip_prefix(b"#")?;
+        let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
+        let number = std::str::from_utf8(&text[..digits]).expect("digits").parse().ok()?;
+        self.at += 1 + digits;
+        self.skip_blanks();
+        if self.peek()? != b'=' {
+            return None;
+        }
+        self.at += 1;
         Some(number)
     }
 

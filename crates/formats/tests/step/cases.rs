@@ -47,7 +47,8 @@ enum Side {
 
 fn finished(mut w: Writer, items: &[u64], units: Units) -> String {
     let context = w.context(units);
-    w.representation(items, context);
+    let whole = w.representation(items, context);
+    product(&mut w, whole);
     w.file()
 }
 
@@ -321,7 +322,8 @@ fn assembly() -> Case {
         let to = w.placement(origin, Z, [0.0, 1.0, 0.0]);
         w.add(format_args!("MAPPED_ITEM('',#{map},#{to})"))
     });
-    w.add(format_args!("SHAPE_REPRESENTATION('',{},#{context})", list(&places)));
+    let whole = w.add(format_args!("SHAPE_REPRESENTATION('',{},#{context})", list(&places)));
+    product(&mut w, whole);
     let r = 25.4f64;
     let text = w.file();
     Case { name: "assembly", text, faces: 12, area: 4.0 * 4.0 * PI * r * r, volume: 4.0 * PI * r.powi(3) }
@@ -331,7 +333,8 @@ fn assembly() -> Case {
 fn tessellated() -> Case {
     let mut w = Writer::new(AP242);
     let context = w.context(Units::MillimetreRadian);
-    part(&mut w, context);
+    let body = part(&mut w, context);
+    product(&mut w, body);
     let solid = w.add("TESSELLATED_SOLID('',(),$)");
     w.add(format_args!("TESSELLATED_SHAPE_REPRESENTATION('',(#{solid}),#{context})"));
     Case { name: "ap242-tessellated", text: w.file(), faces: 3, area: 4.0 * PI, volume: PI }
