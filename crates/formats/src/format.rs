@@ -18,6 +18,11 @@ pub trait Format: Sync {
     /// Whether a file that starts with `head`, its first bytes or all of them, is of this format.
     fn sniff(&self, head: &[u8]) -> bool;
 
+    /// The kinds of entity that its reader knows, and how it takes each; none where the format has no such kinds.
+    fn entities(&self) -> &'static [(&'static str, Support)] {
+        &[]
+    }
+
     /// Reads a whole file; `file` names it in messages, and its last component names a model without a name.
     ///
     /// Input is not trusted: memory stays within a constant times the size of the file.
@@ -25,6 +30,19 @@ pub trait Format: Sync {
     /// # Errors
     /// Where nothing of the file can be drawn. What else is wrong stands among [`Document::notes`].
     fn read(&self, bytes: &[u8], file: &str) -> Result<Document, FormatError>;
+}
+
+/// How a reader takes a kind of entity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Support {
+    /// Converted exactly, to rounding.
+    Exact,
+    /// Converted within a distance that is measured, and noted.
+    Approximated,
+    /// Read for what it says of others: structure, placement, units.
+    Followed,
+    /// Left out, with a note.
+    LeftOut,
 }
 
 /// The bytes as text, without a byte order mark: for formats that are text in UTF-8.

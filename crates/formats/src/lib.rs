@@ -24,7 +24,7 @@ mod wrap;
 pub use builtin::{BUILTINS, builtin};
 pub use document::{Document, Note, NoteKind, Unit};
 pub use error::{Cause, FormatError};
-pub use format::Format;
+pub use format::{Format, Support};
 pub use hard::HARD;
 pub use open::{FORMATS, MAX_FILE_BYTES, open, read};
 pub use place::Place;

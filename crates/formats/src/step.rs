@@ -11,15 +11,17 @@ mod assembly;
 mod fault;
 mod geometry;
 mod p21;
+mod support;
 mod topology;
 mod units;
 mod value;
 
-use crate::brep::face::{Found, Made, make};
+use crate::brep::face::make;
 use crate::brep::frame::Motion;
+use crate::brep::source::{Found, Made};
 use crate::document::{Document, Note, NoteKind};
 use crate::error::{Cause, FormatError};
-use crate::format::{Format, file_name, text_head};
+use crate::format::{Format, Support, file_name, text_head};
 use crate::place::Place;
 use assembly::{Assembly, Placed, RELATIONS, REPRESENTATIONS};
 use fault::{Fault, fault};
@@ -48,6 +50,10 @@ impl Format for Step {
 
     fn sniff(&self, head: &[u8]) -> bool {
         text_head(head).trim_start().starts_with("ISO-10303-21")
+    }
+
+    fn entities(&self) -> &'static [(&'static str, Support)] {
+        support::ENTITIES
     }
 
     fn read(&self, bytes: &[u8], file: &str) -> Result<Document, FormatError> {

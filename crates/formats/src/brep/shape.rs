@@ -102,6 +102,29 @@ impl Shape {
         Self::Spline { surface, closed }
     }
 
+    /// The surface at a distance along S_u × S_v, with the same parameters; `None` where that is no surface of these kinds.
+    pub fn offset(&self, distance: f64) -> Option<Self> {
+        match self {
+            Self::Plane(frame) => Some(Self::Plane(Frame { origin: frame.origin + frame.z * distance, ..*frame })),
+            Self::Revolved { frame, profile: Profile::Line { radius, slope } } => {
+                // The normal is across the line, outward: (cos φ, −sin φ) for slope tan φ.
+                let [sin, cos] = [slope / slope.hypot(1.0), slope.hypot(1.0).recip()];
+                let frame = Frame { origin: frame.origin - frame.z * (distance * sin), ..*frame };
+                let radius = radius + distance * cos;
+                let profile = Profile::Line { radius, slope: *slope };
+                (0.0 < radius || *slope != 0.0).then_some(Self::Revolved { frame, profile })
+            }
+            Self::Revolved { frame, profile: Profile::Arc { major, minor, is_closed, .. } }
+                if *is_closed || *major == 0.0 =>
+            {
+                let minor = minor + distance;
+                let profile = if *is_closed { Profile::torus(*major, minor, true) } else { Profile::sphere(minor) };
+                (0.0 < minor && (minor < *major || !is_closed)).then_some(Self::Revolved { frame: *frame, profile })
+            }
+            _ => None,
+        }
+    }
+
     pub fn point(&self, uv: DVec2) -> DVec3 {
         match self {
             Self::Plane(frame) => frame.point(uv.extend(0.0)),
@@ -338,5 +361,61 @@ impl<'s> Inverter<'s> {
             }
         }
         best.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shapes() -> Vec<Shape> {
+        let frame = Frame::new(DVec3::new(1.0, 2.0, 3.0), Some(DVec3::new(1.0, 1.0, 2.0)), Some(DVec3::Y)).unwrap();
+        let revolved = |profile| Shape::Revolved { frame, profile };
+        let curve = Curve::Ellipse { frame: Frame { origin: DVec3::ZERO, ..frame }, radii: DVec2::new(2.0, 1.0) };
+        vec![
+            Shape::Plane(frame),
+            revolved(Profile::Line { radius: 2.0, slope: 0.0 }),
+            revolved(Profile::Line { radius: 2.0, slope: -0.5 }),
+            revolved(Profile::sphere(2.0)),
+            revolved(Profile::torus(3.0, 1.0, true)),
+            revolved(Profile::torus(1.0, 2.0, true)),
+            revolved(Profile::torus(1.0, 2.0, false)),
+            revolved(Profile::Curve(Curve::Line {
+                origin: DVec3::new(5.0, 2.0, 3.0),
+                direction: DVec3::new(0.2, 0.3, 1.0),
+            })),
+            Shape::Extruded { curve, vector: DVec3::new(1.0, 0.0, 3.0) },
+        ]
+    }
+
+    #[test]
+    fn parameters_of_a_point_are_found_again() {
+        for shape in shapes() {
+            let inverter = Inverter::new(&shape, 5.0);
+            let [_, [v0, v1]] = shape.natural();
+            let (v0, v1) = (v0.max(-1.0), v1.min(2.0 + v0.max(-1.0)));
+            for k in 0..100 {
+                let uv = DVec2::new(0.1 + 0.061 * f64::from(k), v0 + (v1 - v0) * (0.05 + 0.009 * f64::from(k)));
+                let near = uv + DVec2::new(0.3, -0.1);
+                let found = inverter.parameters(shape.point(uv), Some(near), 1e-12).uv;
+                assert!(found.distance(uv) < 1e-8, "{shape:?}: {found} for {uv}");
+                assert!(shape.point(found).distance(shape.point(uv)) < 1e-12, "{shape:?}: {found} for {uv}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_offset_is_that_far_along_the_normal() {
+        for shape in &shapes()[..5] {
+            let offset = shape.offset(0.25).unwrap();
+            for k in 0..50 {
+                let uv = DVec2::new(0.1 + 0.1 * f64::from(k), -0.9 + 0.03 * f64::from(k));
+                let d = |du: f64, dv: f64| shape.point(uv + DVec2::new(du, dv));
+                const H: f64 = 1e-5;
+                let normal = (d(H, 0.0) - d(-H, 0.0)).cross(d(0.0, H) - d(0.0, -H)).normalize();
+                let expected = shape.point(uv) + 0.25 * normal;
+                assert!(offset.point(uv).distance(expected) < 1e-9, "{shape:?} {uv}");
+            }
+        }
     }
 }

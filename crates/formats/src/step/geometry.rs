@@ -5,12 +5,20 @@ use super::p21::Instances;
 use super::value::{Entity, Parameters, Value};
 use crate::brep::curve::Curve;
 use crate::brep::frame::{Frame, Motion};
+use crate::brep::path::Piece;
 use crate::brep::shape::{Profile, Shape};
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, NurbsError, SpaceCurve, Surface};
 
 /// How deep curves and surfaces may be made of others.
 const DEEPEST: usize = 16;
+
+/// The most pieces of one composite curve.
+const MOST_PIECES: usize = 1 << 16;
+
+/// Keywords of curves that are made of segments.
+const COMPOSITES: [&str; 4] =
+    ["COMPOSITE_CURVE", "COMPOSITE_CURVE_ON_SURFACE", "BOUNDARY_CURVE", "OUTER_BOUNDARY_CURVE"];
 
 /// The geometry of a file, in the units of one representation context.
 #[derive(Debug, Clone, Copy)]
@@ -159,6 +167,76 @@ impl<'b> Geometry<'_, 'b> {
         }
     }
 
+    /// Whether a curve is made of segments.
+    pub fn is_composite(&self, number: u64) -> bool {
+        let Some(entity) = self.instances.get(number) else { return false };
+        match entity.keyword() {
+            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => {
+                let inner = entity.parameters().optional_reference(1);
+                inner.is_some_and(|inner| COMPOSITES.contains(&self.instances.keyword(inner)))
+            }
+            keyword => COMPOSITES.contains(&keyword) || (1 < entity.parts.len() && entity.is("COMPOSITE_CURVE")),
+        }
+    }
+
+    /// A curve that has ends, as pieces in order, each with whether it is run backwards.
+    pub fn pieces(&self, number: u64) -> Result<Vec<(Piece, bool)>, Fault> {
+        self.pieces_within(number, 0)
+    }
+
+    fn pieces_within(&self, number: u64, depth: usize) -> Result<Vec<(Piece, bool)>, Fault> {
+        if DEEPEST < depth {
+            return Err(fault(number, "it is made of curves too deep"));
+        }
+        let entity = self.get(number)?;
+        let own = entity.parameters();
+        let segments = match entity.part("COMPOSITE_CURVE") {
+            Some(part) if 1 < entity.parts.len() => Some(part.references(0)?),
+            _ if COMPOSITES.contains(&entity.keyword()) => Some(own.references(1)?),
+            _ => None,
+        };
+        if let Some(segments) = segments {
+            let mut pieces = vec![];
+            for segment in segments {
+                let segment = self.get(segment)?;
+                let segment = segment.parameters();
+                let mut part = self.pieces_within(segment.reference(2)?, depth + 1)?;
+                if !segment.flag(1)? {
+                    part.reverse();
+                    part.iter_mut().for_each(|(_, reversed)| *reversed = !*reversed);
+                }
+                if MOST_PIECES < pieces.len() + part.len() {
+                    return Err(fault(number, "it has too many pieces"));
+                }
+                pieces.append(&mut part);
+            }
+            return Ok(pieces);
+        }
+        match entity.keyword() {
+            "TRIMMED_CURVE" => {
+                let curve = self.curve_within(own.reference(1)?, depth + 1)?;
+                let same = own.flag(4)?;
+                let angle = if matches!(curve, Curve::Ellipse { .. }) { self.angle } else { 1.0 };
+                let trim = |at: usize| {
+                    let list = own.list(at)?;
+                    let point = list.iter().find_map(Value::as_reference).map(|point| self.point(point)).transpose()?;
+                    let value = list.iter().find_map(Value::as_number).map(|value| value * angle);
+                    let point = point.or(value.map(|value| curve.point(value)));
+                    point.ok_or_else(|| fault(number, format!("parameter {} trims nothing", at + 1)))
+                };
+                let (range, reversed) = curve.range([trim(2)?, trim(3)?], same, self.tolerance);
+                Ok(vec![(Piece { curve, range }, reversed)])
+            }
+            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => self.pieces_within(own.reference(1)?, depth + 1),
+            _ => {
+                let curve = self.curve_within(number, depth)?;
+                let range = curve.domain().or(curve.period().map(|period| [0.0, period]));
+                let range = range.ok_or_else(|| fault(number, "it has no ends"))?;
+                Ok(vec![(Piece { curve, range }, false)])
+            }
+        }
+    }
+
     /// A surface with its own parameters.
     pub fn surface(&self, number: u64) -> Result<Shape, Fault> {
         self.surface_within(number, 0)
@@ -202,6 +280,11 @@ impl<'b> Geometry<'_, 'b> {
             "SURFACE_OF_LINEAR_EXTRUSION" => {
                 let curve = self.curve_within(own.reference(1)?, depth + 1)?;
                 Ok(Shape::Extruded { curve, vector: self.vector(own.reference(2)?)? })
+            }
+            "OFFSET_SURFACE" => {
+                let basis = self.surface_within(own.reference(1)?, depth + 1)?;
+                let offset = basis.offset(own.number(2)?);
+                offset.ok_or_else(|| fault(number, "the offset of a surface of this kind is not read"))
             }
             "RECTANGULAR_TRIMMED_SURFACE" | "CURVE_BOUNDED_SURFACE" => {
                 self.surface_within(own.reference(1)?, depth + 1)

@@ -3,9 +3,9 @@
 use super::fault::{Fault, fault};
 use super::geometry::Geometry;
 use crate::brep::curve::Curve;
-use crate::brep::face::{Bound, Source};
 use crate::brep::path::{Piece, Use};
 use crate::brep::shape::Shape;
+use crate::brep::source::{Bound, Source};
 use glam::DVec3;
 use nurbs::SpaceCurve;
 
@@ -32,15 +32,20 @@ pub(super) fn face(geometry: &Geometry, number: u64) -> Result<Source, Fault> {
     Ok(Source { shape, same_sense, bounds, tolerance: geometry.tolerance })
 }
 
-/// A surface that stands by itself: whole, or over the rectangle that trims it.
+/// A surface that stands by itself: whole, over the rectangle that trims it, or within curves.
 pub(super) fn surface(geometry: &Geometry, number: u64) -> Result<Source, Fault> {
     let entity = geometry.get(number)?;
-    if entity.keyword() != "RECTANGULAR_TRIMMED_SURFACE" {
-        let shape = geometry.surface(number)?;
-        return Ok(Source { shape, same_sense: true, bounds: vec![], tolerance: geometry.tolerance });
-    }
     let own = entity.parameters();
     let shape = geometry.surface(number)?;
+    match entity.keyword() {
+        "RECTANGULAR_TRIMMED_SURFACE" => {}
+        "CURVE_BOUNDED_SURFACE" => {
+            let bounds =
+                own.references(2)?.into_iter().map(|curve| boundary(geometry, curve)).collect::<Result<_, _>>()?;
+            return Ok(Source { shape, same_sense: true, bounds, tolerance: geometry.tolerance });
+        }
+        _ => return Ok(Source { shape, same_sense: true, bounds: vec![], tolerance: geometry.tolerance }),
+    }
     let scale = scale(&shape, geometry.angle);
     let u = [own.number(2)? * scale.x, own.number(3)? * scale.x];
     let v = [own.number(4)? * scale.y, own.number(5)? * scale.y];
@@ -52,6 +57,14 @@ pub(super) fn surface(geometry: &Geometry, number: u64) -> Result<Source, Fault>
     };
     let bounds = vec![Bound { outer: true, uses: (0..4).map(side).collect() }];
     Ok(Source { shape, same_sense: true, bounds, tolerance: geometry.tolerance })
+}
+
+/// A curve that bounds a surface.
+fn boundary(geometry: &Geometry, number: u64) -> Result<Bound, Fault> {
+    let pieces = geometry.pieces(number)?;
+    let side = |(space, reversed): (Piece, bool)| Use { space: Some(space), plane: None, reversed, edge: None };
+    let outer = geometry.get(number)?.is("OUTER_BOUNDARY_CURVE");
+    Ok(Bound { outer, uses: pieces.into_iter().map(side).collect() })
 }
 
 fn edge_loop(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) -> Result<Vec<Use>, Fault> {
@@ -69,13 +82,15 @@ fn edge_loop(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) -> R
             Ok((0..points.len()).filter_map(side).collect())
         }
         "EDGE_LOOP" => {
-            own.references(1)?.into_iter().map(|edge| oriented_edge(geometry, edge, surface, shape)).collect()
+            let edges = own.references(1)?.into_iter().map(|edge| oriented_edge(geometry, edge, surface, shape));
+            Ok(edges.collect::<Result<Vec<_>, _>>()?.concat())
         }
         _ => Err(fault(number, "a loop of this kind is not read")),
     }
 }
 
-fn oriented_edge(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) -> Result<Use, Fault> {
+/// An edge as a loop uses it: one use, or for a composite curve one for each of its pieces.
+fn oriented_edge(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) -> Result<Vec<Use>, Fault> {
     let oriented = geometry.get(number)?;
     let (edge_number, runs_with) = match oriented.keyword() {
         "EDGE_CURVE" => (number, true),
@@ -89,6 +104,21 @@ fn oriented_edge(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) 
     };
     let ends = [vertex(1)?, vertex(2)?];
     let curve_number = edge.reference(3)?;
+    let edge_id = i64::try_from(edge_number).ok();
+    if geometry.is_composite(curve_number) {
+        let with = edge.flag(4)? == runs_with;
+        let piece = |(space, reversed): (Piece, bool)| Use {
+            space: Some(space),
+            plane: None,
+            reversed: reversed == with,
+            edge: edge_id,
+        };
+        let mut uses: Vec<Use> = geometry.pieces(curve_number)?.into_iter().map(piece).collect();
+        if !with {
+            uses.reverse();
+        }
+        return Ok(uses);
+    }
     let curve = geometry.curve(curve_number)?;
     let (range, runs_against) = curve.range(ends, edge.flag(4)?, geometry.tolerance);
     let plane = pcurve(geometry, curve_number, surface, shape).map(|curve| Piece { curve, range });
@@ -96,7 +126,7 @@ fn oriented_edge(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) 
     if !(range[0] < range[1] && range[0].is_finite() && range[1].is_finite()) {
         return Err(fault(edge_number, "its vertices bound no part of its curve"));
     }
-    Ok(Use { space: Some(space), plane, reversed: runs_against == runs_with, edge: i64::try_from(edge_number).ok() })
+    Ok(vec![Use { space: Some(space), plane, reversed: runs_against == runs_with, edge: edge_id }])
 }
 
 /// The curve in a surface's parameters that an edge's curve names; the first one of a seam, which is a period from the

@@ -7,4 +7,5 @@ mod closed_forms;
 #[allow(dead_code)]
 mod common;
 mod oracle;
+mod support;
 mod writer;
