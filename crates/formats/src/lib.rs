@@ -1,6 +1,6 @@
 //! Files in, faces out: readers of surface models, and the models that are built in.
 //!
-//! [`open`] reads a file of any format of the one list, [`FORMATS`]. Each format is a folder with a [`Format`]: bytes in, a
+//! [`open()`] reads a file of any format of the one list, [`FORMATS`]. Each format is a folder with a [`Format`]: bytes in, a
 //! [`Document`] out, which is a checked [`scene::Model`] and what is to be known of how it was read. Input is not trusted:
 //! whatever the bytes, the answer is a document or a [`FormatError`] that names the file, the place and the cause; memory
 //! stays within a constant times the size of the file, which is at most [`MAX_FILE_BYTES`].

@@ -247,3 +247,25 @@ fn mutated_files_never_panic() {
     }
     assert!((100..1500).contains(&opened) && lossless < opened, "{opened} opened, {lossless} of them without a loss");
 }
+
+/// A text of so many bytes of points, and how long it takes to find that it shows no face.
+fn seconds_for(bytes: usize) -> f64 {
+    let mut text = String::from("DATA;\n");
+    let mut number = 1;
+    while text.len() < bytes {
+        text += &format!("#{number}=CARTESIAN_POINT('',(-2.{number}E+01,4.5,1.E-03));\n");
+        number += 1;
+    }
+    let start = Instant::now();
+    let error = read(text.as_bytes()).expect_err("it has no face").to_string();
+    assert!(error.contains("it shows no faces"), "{error}");
+    start.elapsed().as_secs_f64()
+}
+
+#[test]
+fn time_grows_as_the_text_does() {
+    let (short, long) = (seconds_for(2_000_000), seconds_for(32_000_000));
+    eprintln!("{:.0} and {:.0} MB/s", 2.0 / short, 32.0 / long);
+    // 16 times the text; a machine that does other things besides may be four times slower meanwhile.
+    assert!(long < 64.0 * short.max(0.02), "{short} s for 2 MB, {long} s for 32 MB");
+}
