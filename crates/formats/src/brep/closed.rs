@@ -155,6 +155,12 @@ impl<'u> Closed<'u> {
         0.5 * (0..places.len()).map(|i| (places[i] - about).perp_dot(next(i))).sum::<f64>()
     }
 
+    /// Whether the loop runs along an edge twice: the face is on both sides of it, and within the loop.
+    pub fn has_seam(&self) -> bool {
+        let edges: Vec<i64> = self.parts.iter().filter_map(|part| part.edge.edge).collect();
+        edges.iter().enumerate().any(|(i, edge)| edges[..i].contains(edge))
+    }
+
     pub fn shift(&mut self, offset: DVec2) {
         self.parts.iter_mut().for_each(|part| part.path.offset += offset);
     }

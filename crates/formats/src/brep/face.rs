@@ -43,10 +43,12 @@ pub(crate) fn make(source: &Source) -> Result<Made, FaceError> {
     let patch = Patch::new(&source.shape, rectangle)?;
     let named = source.bounds.iter().filter(|bound| bound.outer).count();
     let greatest = loops.iter().map(|l| l.area().abs()).fold(0.0, f64::max);
+    let ends = source.shape.periods() == [None; 2];
     let mut bounds = vec![];
     for closed in &loops {
         // Where none is named, or several are, the direction says it; the greatest is never a hole of a surface that ends.
-        let by_area = 0.0 < closed.area() || (closed.area().abs() == greatest && source.shape.periods() == [None; 2]);
+        let is_greatest = closed.area().abs() == greatest;
+        let by_area = 0.0 < closed.area() || (is_greatest && (ends || closed.has_seam()));
         let outer = if named == 1 { closed.outer } else { by_area };
         let mut trims = vec![];
         for part in &closed.parts {

@@ -19,7 +19,9 @@ pub(super) fn rectangle(shape: &Shape, loops: &mut [Closed]) -> Result<[[f64; 2]
     // A surface that ends or closes by itself goes on around loops that are holes alone.
     let greatest = loops.iter().max_by(|a, b| a.area().abs().total_cmp(&b.area().abs()));
     let is_finite = rectangle.iter().flatten().all(|end| end.is_finite());
-    let is_around = is_finite && loops.iter().all(|l| l.turns == [0.0; 2]) && greatest.is_none_or(|l| l.area() < 0.0);
+    let is_around = is_finite
+        && loops.iter().all(|l| l.turns == [0.0; 2])
+        && greatest.is_none_or(|l| l.area() < 0.0 && !l.has_seam());
     for axis in [0, 1] {
         let natural = rectangle[axis];
         if is_spline {

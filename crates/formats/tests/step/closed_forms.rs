@@ -70,7 +70,8 @@ fn along(surface: &Surface, piece: &BezierCurve) -> DVec2 {
     cuts.windows(2).map(|pair| gauss(pair[0], pair[1], density)).sum()
 }
 
-fn area_and_volume(model: &Model) -> DVec2 {
+/// The area of all faces, and the volume that they enclose.
+pub fn area_and_volume(model: &Model) -> DVec2 {
     let mut total = DVec2::ZERO;
     for (k, face) in model.faces().iter().enumerate() {
         let id = FaceId(k as u32);

@@ -7,5 +7,6 @@ mod closed_forms;
 #[allow(dead_code)]
 mod common;
 mod oracle;
+mod solids;
 mod support;
 mod writer;
