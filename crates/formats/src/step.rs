@@ -127,7 +127,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         place: place(&instances, fault.number),
         text: format!("left out: {}", fault.why),
     }));
-    notes.extend(total.note(&instances, units.length.as_ref().map_or("model unit", |unit| &unit.name)));
+    notes.extend(total.notes(&instances, units.length.as_ref().map_or("model unit", |unit| &unit.name)));
     if faces.is_empty() {
         let why = faults.first().map_or_else(
             || "it shows no faces".to_owned(),
@@ -220,11 +220,13 @@ fn moved(made: Made, placed: &Placed) -> (Surface, Face) {
     }
 }
 
-/// What was approximated in the whole file.
+/// What was approximated and mended in the whole file.
 #[derive(Default)]
 struct Total {
     faces: usize,
     first: Option<u64>,
+    /// A face with the vertex that is farthest from its edges.
+    vertex: Option<u64>,
     found: Found,
 }
 
@@ -237,15 +239,25 @@ impl Total {
         self.found.projected += found.projected;
         self.found.error = self.found.error.max(found.error);
         self.found.gap = self.found.gap.max(found.gap);
+        if self.found.vertex < found.vertex {
+            self.found.vertex = found.vertex;
+            self.vertex = Some(face);
+        }
     }
 
-    fn note(&self, instances: &Instances, unit: &str) -> Option<Note> {
-        let Found { projected, error, gap } = self.found;
+    fn notes(&self, instances: &Instances, unit: &str) -> impl Iterator<Item = Note> {
+        let Found { projected, error, gap, .. } = self.found;
         let text = format!(
             "{projected} edges of {} faces, this one the first, have no (u, v) curve on their surface: they are followed there \
              within {error:.1e} {unit}, and are at most {gap:.1e} from it, both as measured",
             self.faces
         );
-        self.first.map(|face| Note { kind: NoteKind::Approximated, place: place(instances, face), text })
+        let edges = self.first.map(|face| Note { kind: NoteKind::Approximated, place: place(instances, face), text });
+        let text = format!(
+            "vertices are up to {:.1e} {unit} from their edges, at this face; gaps there are closed, above the file's tolerance",
+            self.found.vertex
+        );
+        let vertex = self.vertex.map(|face| Note { kind: NoteKind::Healed, place: place(instances, face), text });
+        edges.into_iter().chain(vertex)
     }
 }

@@ -27,6 +27,12 @@ impl Part<'_> {
         if self.reversed { [end, start] } else { [start, end] }
     }
 
+    /// How far the vertices are off where the loop enters the part, and where it leaves it, model units.
+    pub fn vertices(&self) -> [f64; 2] {
+        let [start, end] = self.edge.vertices;
+        if self.reversed { [end, start] } else { [start, end] }
+    }
+
     fn free(&self) -> [Option<usize>; 2] {
         let [start, end] = self.path.free;
         if self.reversed { [end, start] } else { [start, end] }

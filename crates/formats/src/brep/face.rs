@@ -18,6 +18,9 @@ const FINEST_FIT: f64 = 1e-10;
 const OFF_TOLERANCES: f64 = 100.0;
 const OFF_SHARE: f64 = 0.01;
 
+/// A gap is measured along the surface, which is a little longer than the straight way through a vertex.
+const ALONG: f64 = 1.01;
+
 /// Puts a face together.
 ///
 /// # Errors
@@ -51,8 +54,18 @@ pub(crate) fn make(source: &Source) -> Result<Made, FaceError> {
         let by_area = 0.0 < closed.area() || (is_greatest && (ends || closed.has_seam()));
         let outer = if named == 1 { closed.outer } else { by_area };
         let mut trims = vec![];
+        let mut before = closed.parts.last();
         for part in &closed.parts {
-            trims.extend(part.trims(source, &inverter, &patch, tolerance, &mut found)?);
+            let own = part.trims(source, &inverter, &patch, tolerance, &mut found)?;
+            let first = trims.len();
+            trims.extend(own);
+            // A vertex that is farther from its edges than the file's tolerance says how far they may be from each other.
+            let off = before.map_or(0.0, |before| before.vertices()[1]).max(part.vertices()[0]);
+            if source.tolerance < off && off <= most {
+                trims[first].vertex_tolerance = Some(off * ALONG);
+                found.vertex = found.vertex.max(off);
+            }
+            before = Some(part);
         }
         bounds.push(Loop { outer, trims });
     }

@@ -49,6 +49,8 @@ pub(crate) struct Use {
     pub reversed: bool,
     /// The edge's number, by which faces share it.
     pub edge: Option<i64>,
+    /// How far its vertices are from where the curve begins and ends, model units.
+    pub vertices: [f64; 2],
 }
 
 /// A path in the surface's own parameters, sampled so that no closed direction is taken the wrong way round.

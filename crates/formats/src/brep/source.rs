@@ -44,6 +44,8 @@ pub(crate) struct Found {
     pub error: f64,
     /// How far any edge was measured to be from the surface, model units.
     pub gap: f64,
+    /// How far any vertex is from an edge that ends in it, where that is above the file's tolerance, model units.
+    pub vertex: f64,
 }
 
 /// Why no face can be made.

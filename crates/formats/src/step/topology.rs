@@ -53,7 +53,7 @@ pub(super) fn surface(geometry: &Geometry, number: u64) -> Result<Source, Fault>
     let side = |k: usize| {
         let (a, b) = (corner(k), corner(k + 1));
         let plane = Piece { curve: Curve::Line { origin: a, direction: b - a }, range: [0.0, 1.0] };
-        Use { space: None, plane: Some(plane), reversed: false, edge: None }
+        Use { space: None, plane: Some(plane), reversed: false, edge: None, vertices: [0.0; 2] }
     };
     let bounds = vec![Bound { outer: true, uses: (0..4).map(side).collect() }];
     Ok(Source { shape, same_sense: true, bounds, tolerance: geometry.tolerance })
@@ -62,7 +62,13 @@ pub(super) fn surface(geometry: &Geometry, number: u64) -> Result<Source, Fault>
 /// A curve that bounds a surface.
 fn boundary(geometry: &Geometry, number: u64) -> Result<Bound, Fault> {
     let pieces = geometry.pieces(number)?;
-    let side = |(space, reversed): (Piece, bool)| Use { space: Some(space), plane: None, reversed, edge: None };
+    let side = |(space, reversed): (Piece, bool)| Use {
+        space: Some(space),
+        plane: None,
+        reversed,
+        edge: None,
+        vertices: [0.0; 2],
+    };
     let outer = geometry.get(number)?.is("OUTER_BOUNDARY_CURVE");
     Ok(Bound { outer, uses: pieces.into_iter().map(side).collect() })
 }
@@ -77,7 +83,13 @@ fn edge_loop(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) -> R
             let side = |k: usize| {
                 let (a, b) = (points[k], points[(k + 1) % points.len()]);
                 let space = Piece { curve: Curve::Line { origin: a, direction: b - a }, range: [0.0, 1.0] };
-                (a != b).then_some(Use { space: Some(space), plane: None, reversed: false, edge: None })
+                (a != b).then_some(Use {
+                    space: Some(space),
+                    plane: None,
+                    reversed: false,
+                    edge: None,
+                    vertices: [0.0; 2],
+                })
             };
             Ok((0..points.len()).filter_map(side).collect())
         }
@@ -112,6 +124,7 @@ fn oriented_edge(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) 
             plane: None,
             reversed: reversed == with,
             edge: edge_id,
+            vertices: [0.0; 2],
         };
         let mut uses: Vec<Use> = geometry.pieces(curve_number)?.into_iter().map(piece).collect();
         if !with {
@@ -126,7 +139,9 @@ fn oriented_edge(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) 
     if !(range[0] < range[1] && range[0].is_finite() && range[1].is_finite()) {
         return Err(fault(edge_number, "its vertices bound no part of its curve"));
     }
-    Ok(vec![Use { space: Some(space), plane, reversed: runs_against == runs_with, edge: edge_id }])
+    let [from, to] = if runs_against { [ends[1], ends[0]] } else { ends };
+    let vertices = [space.point(0.0).distance(from), space.point(1.0).distance(to)];
+    Ok(vec![Use { space: Some(space), plane, reversed: runs_against == runs_with, edge: edge_id, vertices }])
 }
 
 /// The curve in a surface's parameters that an edge's curve names; the first one of a seam, which is a period from the
