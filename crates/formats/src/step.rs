@@ -29,8 +29,14 @@ use geometry::Geometry;
 use nurbs::{Direction, Surface};
 use p21::Instances;
 use scene::{Face, Model};
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use units::Units;
+
+/// How many control points and edges are read at most, those that are named again counted again: so many, and more for each
+/// byte. Real files come to a hundredth of that.
+const WORK: usize = 1 << 21;
+const WORK_A_BYTE: usize = 4;
 
 /// The format.
 pub struct Step;
@@ -85,7 +91,8 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         let placed: Vec<Placed> = lost.into_iter().map(placed).collect();
         assembly.placed.extend(placed);
     }
-    let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), made: BTreeMap::new() };
+    let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
+    let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), made: BTreeMap::new(), work: &work };
     let mut uses: BTreeMap<(u64, Option<u64>), usize> = BTreeMap::new();
     for placed in &assembly.placed {
         *uses.entry((placed.number, placed.context)).or_default() += 1;
@@ -157,6 +164,7 @@ fn place(instances: &Instances, number: u64) -> Place {
 /// Makes faces, each once.
 struct Reader<'f, 'b> {
     instances: &'f Instances<'b>,
+    work: &'f Cell<usize>,
     contexts: BTreeMap<Option<u64>, Units>,
     /// Those that stand at several places.
     made: BTreeMap<(u64, Option<u64>), Result<Made, Fault>>,
@@ -177,9 +185,9 @@ impl Reader<'_, '_> {
             }
             return made;
         }
-        let instances = self.instances;
+        let (instances, work) = (self.instances, self.work);
         let units = self.units(placed.context);
-        let geometry = Geometry { instances, angle: units.angle, tolerance: units.uncertainty };
+        let geometry = Geometry { instances, angle: units.angle, tolerance: units.uncertainty, work };
         let is_face = matches!(instances.keyword(placed.number), "ADVANCED_FACE" | "FACE_SURFACE");
         let source = if is_face {
             topology::face(&geometry, placed.number)

@@ -8,6 +8,7 @@ use super::source::{Bound, FaceError, Found, Source};
 use glam::{DVec2, DVec3};
 use nurbs::SpaceCurve;
 use scene::Trim;
+use std::collections::BTreeSet;
 
 /// A share of a period below which two parameters are one.
 const SAME: f64 = 1e-9;
@@ -163,8 +164,8 @@ impl<'u> Closed<'u> {
 
     /// Whether the loop runs along an edge twice: the face is on both sides of it, and within the loop.
     pub fn has_seam(&self) -> bool {
-        let edges: Vec<i64> = self.parts.iter().filter_map(|part| part.edge.edge).collect();
-        edges.iter().enumerate().any(|(i, edge)| edges[..i].contains(edge))
+        let mut edges = BTreeSet::new();
+        self.parts.iter().filter_map(|part| part.edge.edge).any(|edge| !edges.insert(edge))
     }
 
     pub fn shift(&mut self, offset: DVec2) {

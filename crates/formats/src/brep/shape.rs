@@ -4,6 +4,7 @@ use super::curve::Curve;
 use super::frame::Frame;
 use glam::{DVec2, DVec3};
 use nurbs::{Projector, Surface};
+use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Steps of a search for the parameters of a point.
@@ -80,7 +81,12 @@ pub(crate) struct Inverter<'s> {
     seeds: Vec<f64>,
     /// Lengths below it are nothing, model units.
     nothing: f64,
+    /// How many samples of a spline may still be looked through, in all searches of a face.
+    looks: Cell<usize>,
 }
+
+/// The most samples of a spline that are looked through for one face: a second's work.
+const MOST_LOOKS: usize = 1 << 27;
 
 impl Shape {
     /// A spline surface, closed where two sides are within `tolerance` of each other, and of no length where they are not.
@@ -231,7 +237,7 @@ impl<'s> Inverter<'s> {
             };
             ends.windows(2).flat_map(between).chain([range[1]]).collect()
         });
-        Self { shape, projector, seeds, nothing: POLE * size }
+        Self { shape, projector, seeds, nothing: POLE * size, looks: Cell::new(MOST_LOOKS) }
     }
 
     /// The parameters of the point of the surface nearest to `point`, or of one beside it where that is not on the
@@ -311,7 +317,18 @@ impl<'s> Inverter<'s> {
             }
             Shape::Spline { surface, .. } => {
                 let projector = self.projector.as_ref().expect("made for a spline");
-                let found = projector.nearest(point, near.map(|near| self.wrapped(near)), enough);
+                let near = near.map(|near| self.wrapped(near));
+                let found = if self.looks.get() == 0 {
+                    // One search from where the last one ended, or from anywhere: what it misses is said to be off the surface.
+                    let [[u0, u1], [v0, v1]] = surface.domain();
+                    let middle = DVec2::new(0.5 * (u0 + u1), 0.5 * (v0 + v1));
+                    projector.nearest(point, near.or(Some(middle)), f64::INFINITY)
+                } else {
+                    projector.nearest(point, near, enough)
+                };
+                if near.is_none() || enough < found.distance {
+                    self.looks.set(self.looks.get().saturating_sub(projector.samples()));
+                }
                 let d = surface.first_derivatives(found.uv.x, found.uv.y);
                 let [[u0, u1], [v0, v1]] = surface.domain();
                 let collapsed = [d.su.length() * (u1 - u0), d.sv.length() * (v1 - v0)].map(|l| l <= self.nothing);

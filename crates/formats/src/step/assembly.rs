@@ -9,6 +9,7 @@ use super::geometry::Geometry;
 use super::p21::Instances;
 use super::units::Units;
 use crate::brep::frame::{Frame, Motion};
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How deep representations may stand in each other.
@@ -185,7 +186,8 @@ fn relations(
 
 /// The two representations of a relationship, and the move from the first one's coordinates to the second's.
 fn related(instances: &Instances, number: u64) -> Result<(u64, u64, Motion), Fault> {
-    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0 };
+    let work = Cell::new(usize::MAX);
+    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0, work: &work };
     let entity = geometry.get(number)?;
     let own = match entity.part("REPRESENTATION_RELATIONSHIP") {
         Some(part) => part,
@@ -298,7 +300,8 @@ impl Walk<'_, '_> {
     }
 
     fn mapped(&mut self, number: u64, motion: &Motion, context: Option<u64>) {
-        let geometry = Geometry { instances: self.instances, angle: 1.0, tolerance: 0.0 };
+        let work = Cell::new(usize::MAX);
+        let geometry = Geometry { instances: self.instances, angle: 1.0, tolerance: 0.0, work: &work };
         let target = || -> Result<(u64, Motion), Fault> {
             let item = geometry.get(number)?;
             let own = item.parameters();

@@ -9,6 +9,7 @@ use crate::brep::path::Piece;
 use crate::brep::shape::{Profile, Shape};
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, NurbsError, SpaceCurve, Surface};
+use std::cell::Cell;
 
 /// How deep curves and surfaces may be made of others.
 const DEEPEST: usize = 16;
@@ -28,11 +29,21 @@ pub(super) struct Geometry<'f, 'b> {
     pub angle: f64,
     /// The uncertainty of lengths, model units.
     pub tolerance: f64,
+    /// How many control points and edges may still be read: a few bytes may name the same large curve again and again.
+    pub work: &'f Cell<usize>,
 }
 
 impl<'b> Geometry<'_, 'b> {
     pub fn get(&self, number: u64) -> Result<Entity<'b>, Fault> {
         self.instances.get(number).ok_or_else(|| fault(number, "it is not in the file, or its text makes no sense"))
+    }
+
+    /// Counts so many control points or edges.
+    pub fn spend(&self, number: u64, count: usize) -> Result<(), Fault> {
+        let left = self.work.get().checked_sub(count);
+        self.work.set(left.unwrap_or(0));
+        left.map(|_| ())
+            .ok_or_else(|| fault(number, "the file names its curves and surfaces so often that no more are read"))
     }
 
     /// A CARTESIAN_POINT; z is 0 where it has two coordinates.
@@ -59,6 +70,9 @@ impl<'b> Geometry<'_, 'b> {
     }
 
     fn points(&self, numbers: &[u64]) -> Result<Vec<DVec3>, Fault> {
+        if let Some(first) = numbers.first() {
+            self.spend(*first, numbers.len())?;
+        }
         numbers.iter().map(|number| self.point(*number)).collect()
     }
 

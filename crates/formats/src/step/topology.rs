@@ -9,6 +9,9 @@ use crate::brep::source::{Bound, Source};
 use glam::DVec3;
 use nurbs::SpaceCurve;
 
+/// What an edge takes beside its control points, as so many of these.
+const EDGE: usize = 16;
+
 /// A face of the file, ready to be made.
 ///
 /// # Errors
@@ -79,7 +82,9 @@ fn edge_loop(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) -> R
     match entity.keyword() {
         "VERTEX_LOOP" => Ok(vec![]),
         "POLY_LOOP" => {
-            let points = own.references(1)?.into_iter().map(|p| geometry.point(p)).collect::<Result<Vec<_>, _>>()?;
+            let points = own.references(1)?;
+            geometry.spend(number, EDGE * points.len())?;
+            let points = points.into_iter().map(|p| geometry.point(p)).collect::<Result<Vec<_>, _>>()?;
             let side = |k: usize| {
                 let (a, b) = (points[k], points[(k + 1) % points.len()]);
                 let space = Piece { curve: Curve::Line { origin: a, direction: b - a }, range: [0.0, 1.0] };
@@ -103,6 +108,7 @@ fn edge_loop(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) -> R
 
 /// An edge as a loop uses it: one use, or for a composite curve one for each of its pieces.
 fn oriented_edge(geometry: &Geometry, number: u64, surface: u64, shape: &Shape) -> Result<Vec<Use>, Fault> {
+    geometry.spend(number, EDGE)?;
     let oriented = geometry.get(number)?;
     let (edge_number, runs_with) = match oriented.keyword() {
         "EDGE_CURVE" => (number, true),

@@ -269,3 +269,26 @@ fn time_grows_as_the_text_does() {
     // 16 times the text; a machine that does other things besides may be four times slower meanwhile.
     assert!(long < 64.0 * short.max(0.02), "{short} s for 2 MB, {long} s for 32 MB");
 }
+
+/// A curve of 20,000 points, named by 20,000 edges of one loop, and that loop by 2,000 faces.
+#[test]
+fn a_large_curve_that_is_named_again_and_again_ends() {
+    let mut text = case("oblique-cut");
+    let points: Vec<String> = (0..20_000).map(|k| format!("#{}", 100_000 + k % 7)).collect();
+    let mut data: String = (0..7).map(|k| format!("#{}=CARTESIAN_POINT('',({k}.,1.,0.));\n", 100_000 + k)).collect();
+    let ends = "#90002=VERTEX_POINT('',#100000);\n#90003=VERTEX_POINT('',#100006);\n";
+    data += &format!("#90000=POLYLINE('',({}));\n{ends}", points.join(","));
+    data += "#90001=EDGE_CURVE('',#90002,#90003,#90000,.T.);\n";
+    data +=
+        &format!("#90004=EDGE_LOOP('',({}));\n#90005=FACE_BOUND('',#90004,.T.);\n", vec!["#90001"; 20_000].join(","));
+    let surface = text.split("=CYLINDRICAL_SURFACE").next().unwrap().rsplit('#').next().unwrap().to_owned();
+    let faces: Vec<u64> = (0..2000).map(|k| 200_000 + k).collect();
+    data.extend(faces.iter().map(|k| format!("#{k}=ADVANCED_FACE('',(#90005),#{surface},.T.);\n")));
+    text = text.replacen("ENDSEC;\nEND-ISO", &format!("{data}ENDSEC;\nEND-ISO"), 1);
+    let start = Instant::now();
+    let document = opened(&text);
+    assert_eq!(document.model.faces().len(), 3);
+    let is_named = |note: &formats::Note| note.to_string().contains("so often that no more are read");
+    assert!(document.notes.iter().any(is_named), "{}", document.notes.len());
+    assert!(start.elapsed() < Duration::from_secs(30), "{:?}", start.elapsed());
+}
