@@ -4,7 +4,7 @@
 //! curve in space ([`curve`]), in (u, v), or both. What comes of it is a `nurbs` surface and a `scene` face:
 //!
 //! 1. Each edge becomes a path in the surface's parameters ([`path`]): the file's own curve where it lies on the surface,
-//!    else the edge in space, taken back to the surface.
+//!    else the edge in space, taken back to the surface ([`inverse`]).
 //! 2. The paths of a loop are put in a row, by whole periods across seams, and with material on the left at poles ([`closed`]).
 //! 3. The rectangle of parameters that the loops need becomes an exact rational spline ([`rectangle`], [`patch`], [`arc`]).
 //! 4. Each path becomes a trim ([`fit`]): exactly where it is straight, or where plane or spline make it a spline, else
@@ -16,6 +16,7 @@ pub(crate) mod curve;
 pub(crate) mod face;
 pub(crate) mod fit;
 pub(crate) mod frame;
+pub(crate) mod inverse;
 pub(crate) mod patch;
 pub(crate) mod path;
 pub(crate) mod rectangle;

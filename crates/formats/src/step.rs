@@ -11,6 +11,7 @@ mod assembly;
 mod fault;
 mod geometry;
 mod p21;
+mod spline;
 mod support;
 mod topology;
 mod units;

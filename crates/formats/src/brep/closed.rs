@@ -1,9 +1,10 @@
 //! A loop in the surface's own parameters: a row of paths, each of which begins where the one before it ends.
 
 use super::fit::{Fitted, fit};
+use super::inverse::Inverter;
 use super::patch::Patch;
 use super::path::{Path, Use};
-use super::shape::{Inverter, Shape};
+use super::shape::Shape;
 use super::source::{Bound, FaceError, Found, Source};
 use glam::{DVec2, DVec3};
 use nurbs::SpaceCurve;

@@ -2,9 +2,10 @@
 //! that they need as a spline, and trims on it.
 
 use super::closed::Closed;
+use super::inverse::Inverter;
 use super::patch::Patch;
 use super::rectangle::rectangle;
-use super::shape::{Inverter, Shape};
+use super::shape::Shape;
 use super::source::{FaceError, Found, Made, Source};
 use glam::DVec2;
 use scene::{Face, Loop};

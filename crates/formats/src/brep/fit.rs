@@ -3,9 +3,9 @@
 //! Each part of the path is interpolated by a quintic at six nodes, and measured between them on the surface; where it
 //! is too far off, the part is halved. Parts meet with their ends, and no smoother: a trim needs no more.
 
+use super::inverse::Inverter;
 use super::patch::Patch;
 use super::path::Path;
-use super::shape::Inverter;
 use glam::DVec2;
 use nurbs::{KnotVector, NurbsError};
 use scene::Trim;

@@ -1,7 +1,8 @@
 //! An edge on a face as a path in the surface's own parameters: given by the file, or found from the edge in space.
 
 use super::curve::Curve;
-use super::shape::{Inverter, Shape};
+use super::inverse::Inverter;
+use super::shape::Shape;
 use glam::{DVec2, DVec3};
 
 /// Samples between two breaks of a curve: enough that none is half a period from the next.
