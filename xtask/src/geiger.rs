@@ -36,7 +36,7 @@ const CHORDS: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 /// side.
 #[derive(Debug, Args)]
 pub struct GeigerArgs {
-    /// A model file (.json) or the name of a built-in model (see `cargo xtask info --list`)
+    /// A model file or the name of a built-in model (see `cargo xtask info --list`)
     #[arg(value_name = "MODEL", default_value = "pieces")]
     model: String,
     /// The most memory of all masks together, MB of a million bytes; beyond it they are made coarser, and the table says so

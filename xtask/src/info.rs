@@ -9,8 +9,9 @@ use anyhow::Result;
 use approximation::{ApproximationInfo, approximated};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use formats::{Document, Note};
 use nurbs::{Direction, Hull, KnotVector, Surface};
-use scene::{FaceId, Model, Note, escaped};
+use scene::{FaceId, Model, escaped};
 use serde::Serialize;
 
 /// A side counts as collapsed to a point when its control points stay within this share of the surface's box.
@@ -67,7 +68,10 @@ struct KnotInfo {
 struct ModelInfo {
     model: String,
     hash: String,
-    /// What of the file is not drawn as it stands there.
+    /// The unit of all lengths; absent where the file names none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unit: Option<String>,
+    /// What of the file is not drawn as it stands there, and what was approximated.
     notes: Vec<String>,
     faces: Vec<FaceInfo>,
     hull: [[f64; 3]; 2],
@@ -90,12 +94,13 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         }
         return Ok(());
     }
-    let model = args.model.open()?;
-    let approximation = args.approximate.map(|tolerance| approximated(&model, tolerance)).transpose()?;
+    let document = args.model.document()?;
+    let model = &document.model;
+    let approximation = args.approximate.map(|tolerance| approximated(model, tolerance)).transpose()?;
     match args.format {
-        Format::Json => terminal::json_lines(&ModelInfo { approximation, ..describe(&model) })?,
+        Format::Json => terminal::json_lines(&ModelInfo { approximation, ..describe(&document) })?,
         Format::Table => {
-            say!("{}", text(&model))?;
+            say!("{}", text(&document))?;
             if let Some(ApproximationInfo { tolerance, patches, bicubic_patches, bound, .. }) = approximation {
                 say!(
                     "within {tolerance:e}: {bicubic_patches} bicubic patches stand for {patches} Bézier patches, at most {bound:.3e} off"
@@ -144,14 +149,16 @@ fn trimming(model: &Model) -> TrimmingInfo {
     }
 }
 
-fn describe(model: &Model) -> ModelInfo {
+fn describe(document: &Document) -> ModelInfo {
+    let model = &document.model;
     let sides: Vec<Vec<&str>> = model.surfaces().iter().map(degenerate_edges).collect();
     let faces: Vec<FaceInfo> = (0..model.faces().len()).map(|id| face(model, id, &sides)).collect();
     let bezier_patches = faces.iter().map(|f| f.spans[0] * f.spans[1]).sum();
     ModelInfo {
         model: model.name().to_owned(),
         hash: model.hash(),
-        notes: model.notes().iter().map(Note::to_string).collect(),
+        unit: document.unit.as_ref().map(|unit| unit.name.clone()),
+        notes: document.notes.iter().map(Note::to_string).collect(),
         faces,
         hull: corners(model.hull()),
         bezier_patches,
@@ -221,8 +228,8 @@ fn degenerate_edges(surface: &Surface) -> Vec<&'static str> {
 }
 
 /// The model for people, in lines.
-pub fn text(model: &Model) -> String {
-    let info = describe(model);
+pub fn text(document: &Document) -> String {
+    let info = describe(document);
     let mut lines = vec![];
     let point = |p: [f64; 3]| format!("({})", p.map(|x| significant(x, size_of(info.hull))).join(", "));
     lines.push(format!(
@@ -232,7 +239,8 @@ pub fn text(model: &Model) -> String {
         info.bezier_patches,
         info.hash
     ));
-    lines.push(format!("box {} to {}", point(info.hull[0]), point(info.hull[1])));
+    let unit = info.unit.as_ref().map_or(String::new(), |unit| format!(", in units of one {}", escaped(unit)));
+    lines.push(format!("box {} to {}{unit}", point(info.hull[0]), point(info.hull[1])));
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([

@@ -17,7 +17,7 @@ use std::process::ExitCode;
 /// Explain one pixel: each stage's values in each renderer, and what the comparison says of it
 #[derive(Debug, Args)]
 pub struct PixelArgs {
-    /// A model file (.json, .bpt) or the name of a built-in model
+    /// A model file or the name of a built-in model
     model: String,
     /// Column and row, from the top left corner, from 0
     #[arg(value_name = "X,Y")]

@@ -3,6 +3,7 @@
 use crate::number;
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use formats::Document;
 use glam::{DVec2, DVec3};
 use scene::{Camera, Model, Projection, Viewport, escaped};
 use std::path::Path;
@@ -10,7 +11,7 @@ use std::path::Path;
 /// A model by name or file.
 #[derive(Debug, Clone, Args)]
 pub struct ModelArgs {
-    /// A model file (.json, .bpt) or the name of a built-in model (see `cargo xtask info --list`)
+    /// A model file or the name of a built-in model (see `cargo xtask info --list`)
     #[arg(value_name = "MODEL", default_value = "teapot")]
     pub model: String,
     /// Refuse a file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap closed
@@ -56,39 +57,46 @@ impl ModelArgs {
         Self { model: model.to_owned(), strict: false }
     }
 
-    /// Opens the model, and prints on standard error what of it is not drawn as it stands in its file.
+    /// Opens the model, and prints on standard error what is to be known of how it was read.
     ///
     /// # Errors
     /// Where it is neither a built-in name nor a readable file; a file's error names the place and the value. With
-    /// `strict`, where there is anything to print.
+    /// `strict`, where anything is lost or changed.
     pub fn open(&self) -> Result<Model> {
-        let model = self.read()?;
-        let notes = model.notes();
-        for note in notes.iter().take(PRINTED_NOTES) {
+        Ok(self.document()?.model)
+    }
+
+    /// As [`Self::open`], with all that the file says.
+    ///
+    /// # Errors
+    /// Those of [`Self::open`].
+    pub fn document(&self) -> Result<Document> {
+        let document = self.read()?;
+        for note in document.notes.iter().take(PRINTED_NOTES) {
             eprintln!("note: {}: {note}", escaped(&self.model));
         }
-        if PRINTED_NOTES < notes.len() {
-            eprintln!("note: {}: and {} more", escaped(&self.model), notes.len() - PRINTED_NOTES);
+        if PRINTED_NOTES < document.notes.len() {
+            eprintln!("note: {}: and {} more", escaped(&self.model), document.notes.len() - PRINTED_NOTES);
         }
-        if self.strict && !notes.is_empty() {
+        if self.strict && document.notes.iter().any(|note| note.kind.is_loss()) {
             bail!(
                 "{}: not drawn as it stands in the file, by the notes above, and --strict is given",
                 escaped(&self.model)
             );
         }
-        Ok(model)
+        Ok(document)
     }
 
-    fn read(&self) -> Result<Model> {
+    fn read(&self) -> Result<Document> {
         if let Some(model) = models::builtin(&self.model) {
-            return Ok(model);
+            return Ok(Document::of_model(model));
         }
         let path = Path::new(&self.model);
         if !path.exists() && path.extension().is_none() && !self.model.contains(std::path::is_separator) {
             let names: Vec<&str> = models::all().map(|(name, _)| *name).collect();
             bail!("there is no built-in model {:?} (there are {}), and no such file", self.model, names.join(", "));
         }
-        Ok(formats::read(path)?)
+        Ok(formats::open(path)?)
     }
 }
 

@@ -26,21 +26,48 @@
 //! In both the first parameter's index varies slowest. A patch becomes a polynomial surface over the unit square and
 //! a whole face; the model bears the file's name.
 
-use crate::FormatError;
-use crate::error::shorten;
+use crate::document::Document;
+use crate::error::{Cause, FormatError, shorten};
+use crate::format::{Format, file_name, text, text_head};
+use crate::member::Member;
 use crate::place::Place;
 use glam::DVec3;
 use nurbs::{KnotVector, MAX_DEGREE, Surface};
-use scene::{Model, escaped};
+use scene::Model;
 
 /// Vertex numbers of a patch of the indexed form.
 const PATCH_INDICES: usize = 16;
 
+/// The format.
+pub struct Bpt;
+
+impl Format for Bpt {
+    fn name(&self) -> &'static str {
+        ".bpt"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["bpt"]
+    }
+
+    fn start(&self) -> &'static str {
+        "starts with a count"
+    }
+
+    fn sniff(&self, head: &[u8]) -> bool {
+        let first = text_head(head).lines().map(str::trim).find(|line| !line.is_empty());
+        first.is_some_and(|line| line.parse::<usize>().is_ok())
+    }
+
+    fn read(&self, bytes: &[u8], file: &str) -> Result<Document, FormatError> {
+        Ok(Document::of_model(parse(text(bytes, file)?, file)?))
+    }
+}
+
 /// Reads a model from the text of a `.bpt` file; `file` names it in messages and its last component names the model.
 ///
 /// # Errors
-/// [`FormatError::Line`] and [`FormatError::Truncated`] with the number of the line; [`FormatError::Nurbs`] for
-/// coordinates too large.
+/// [`Cause::Found`] and [`Cause::Truncated`] with the number of the line; [`Cause::Nurbs`] for coordinates too large.
 pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
     let mut lines = Lines::new(text, file);
     let patches = lines.count("the number of patches")?;
@@ -49,8 +76,8 @@ pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
     if let Some((line, text)) = lines.next {
         return Err(lines.line_error(line, text, "the end of the file"));
     }
-    let document = Place::document(file);
-    Model::of_surfaces(crate::json::file_name(file), surfaces).map_err(|cause| document.scene(cause))
+    let document = Member::document(file);
+    Model::of_surfaces(file_name(file), surfaces).map_err(|cause| document.scene(cause))
 }
 
 fn indexed(lines: &mut Lines, patches: usize) -> Result<Vec<Surface>, FormatError> {
@@ -126,11 +153,12 @@ impl<'a> Lines<'a> {
     }
 
     fn line_error(&self, line: usize, found: &str, expected: impl Into<String>) -> FormatError {
-        FormatError::Line { file: escaped(self.file), line, found: shorten(found), expected: expected.into() }
+        let cause = Cause::Found { found: shorten(found), expected: expected.into() };
+        FormatError::new(self.file, Place::Line(line), cause)
     }
 
     fn truncated(&self, expected: impl Into<String>) -> FormatError {
-        FormatError::Truncated { file: escaped(self.file), line: self.last, expected: expected.into() }
+        FormatError::new(self.file, Place::Line(self.last), Cause::Truncated(expected.into()))
     }
 
     fn peek(&self, expected: &str) -> Result<&'a str, FormatError> {
@@ -175,7 +203,7 @@ impl<'a> Lines<'a> {
 
     fn surface(&self, patch: usize, degree: [usize; 2], points: Vec<DVec3>) -> Result<Surface, FormatError> {
         let [knots_u, knots_v] = degree.map(bezier_knots);
-        let place = Place::document(self.file).key("patches").index(patch);
+        let place = Member::document(self.file).key("patches").index(patch);
         Surface::new(knots_u, knots_v, points, None).map_err(|cause| place.nurbs(cause))
     }
 

@@ -1,107 +1,103 @@
-//! What can be wrong with a model file.
+//! What can be wrong with a model file, and where.
 
+use crate::place::Place;
 use nurbs::NurbsError;
 use scene::{SceneError, escaped};
+use std::fmt;
 
-/// Why a file could not be read or a model could not be written.
+/// Why a file could not be read or a model could not be written: the file, the place in it, and the cause.
 ///
-/// `file` is the path as it was given; where a model is written, its name. `path` names a member of a JSON document
-/// (`surfaces[3].knots_u`). Values quoted from the file are shortened to 80 characters, and escaped ([`scene::escaped`])
-/// as the path is.
+/// Printed as `file: place: cause`. Values quoted from the file are shortened to 80 characters, and escaped
+/// ([`scene::escaped`]) as the path is.
+#[derive(Debug)]
+pub struct FormatError {
+    /// The path as it was given; where a model is written, its name.
+    pub file: String,
+    /// Where in the file; boxed, so that results stay small.
+    pub place: Box<Place>,
+    /// What is wrong there.
+    pub cause: Cause,
+}
+
+impl FormatError {
+    pub(crate) fn new(file: &str, place: Place, cause: Cause) -> Self {
+        Self { file: escaped(file), place: Box::new(place), cause }
+    }
+}
+
+impl fmt::Display for FormatError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { file, place, cause } = self;
+        match (&**place, cause.continues_the_place()) {
+            (Place::File, _) => write!(f, "{file}: {cause}"),
+            (_, true) => write!(f, "{file}: {place} {cause}"),
+            (_, false) => write!(f, "{file}: {place}: {cause}"),
+        }
+    }
+}
+
+impl std::error::Error for FormatError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &self.cause {
+            Cause::Io(cause) => Some(cause),
+            Cause::Nurbs(cause) => Some(cause),
+            Cause::Scene(cause) => Some(cause),
+            _ => None,
+        }
+    }
+}
+
+/// What is wrong with a file at some place.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum FormatError {
+pub enum Cause {
     /// The operating system refused.
-    #[error("{file}: {cause}")]
-    Io {
-        /// The file.
-        file: String,
-        /// What the operating system says.
-        cause: std::io::Error,
-    },
+    #[error("{0}")]
+    Io(std::io::Error),
     /// The path is a directory, a pipe or a device.
-    #[error("{file}: not a regular file")]
-    NotAFile {
-        /// The path.
-        file: String,
-    },
+    #[error("not a regular file")]
+    NotAFile,
     /// The file is larger than [`crate::MAX_FILE_BYTES`]; nothing was read.
-    #[error("{file}: {bytes} bytes are more than the {limit} allowed")]
+    #[error("{bytes} bytes are more than the {limit} allowed")]
     TooLarge {
-        /// The file.
-        file: String,
         /// Its size.
         bytes: u64,
         /// The limit.
         limit: u64,
     },
-    /// The file is not UTF-8 text.
-    #[error("{file}: byte {offset} is 0x{value:02x}, not UTF-8 text")]
-    NotText {
-        /// The file.
-        file: String,
-        /// Offset of the first byte that is not text, from 0.
-        offset: usize,
-        /// That byte.
-        value: u8,
-    },
+    /// A byte of a text is not UTF-8.
+    #[error("is 0x{0:02x}, not UTF-8 text")]
+    NotText(u8),
     /// Neither the extension nor the content is that of a known format.
-    #[error("{file}: neither JSON, which starts with '{{', nor .bpt, which starts with a count: it starts \"{start}\"")]
+    #[error("neither {known}: it starts \"{start}\"")]
     UnknownFormat {
-        /// The file.
-        file: String,
+        /// The known formats and how their files start.
+        known: String,
         /// The first characters of the file.
         start: String,
     },
-    /// The text is not JSON.
-    #[error("{file}: line {line}, column {column}, in {path}: {message}{}", near_text(near))]
+    /// The text breaks the grammar of its format.
+    #[error("{message}{}", near_text(near))]
     Syntax {
-        /// The file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Column in bytes, from 1.
-        column: usize,
-        /// The innermost member in which reading stopped.
-        path: String,
         /// What is wrong.
         message: String,
         /// The word at that place; empty where the file ends.
         near: String,
     },
-    /// A JSON value is of the wrong kind, out of range, missing, or given twice.
-    #[error("{file}: line {line}, column {column}: {path}: {message}")]
-    Kind {
-        /// The file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Column in bytes, from 1.
-        column: usize,
-        /// The member.
-        path: String,
-        /// What was found, and what was expected.
-        message: String,
-    },
+    /// A value is of the wrong kind, out of range, missing, or given twice: what was found, and what was expected.
+    #[error("{0}")]
+    Kind(String),
     /// A member has a value that is not allowed there.
-    #[error("{file}: {path} is {value}, where {expected} is needed")]
+    #[error("is {value}, where {expected} is needed")]
     Value {
-        /// The file.
-        file: String,
-        /// The member.
-        path: String,
         /// Its value.
         value: String,
         /// What is allowed.
         expected: &'static str,
     },
     /// A list has the wrong number of entries.
-    #[error("{file}: {path} has {found} entries where {reason} ask for {expected}")]
+    #[error("has {found} entries where {reason} ask for {expected}")]
     Count {
-        /// The file.
-        file: String,
-        /// The list.
-        path: String,
         /// Number of entries.
         found: usize,
         /// Number of entries needed.
@@ -110,47 +106,29 @@ pub enum FormatError {
         reason: &'static str,
     },
     /// The numbers do not make a knot vector or a surface.
-    #[error("{file}: {path}: {cause}")]
-    Nurbs {
-        /// The file.
-        file: String,
-        /// The member.
-        path: String,
-        /// What is wrong.
-        cause: NurbsError,
-    },
+    #[error("{0}")]
+    Nurbs(NurbsError),
     /// The surfaces and faces do not make a model.
-    #[error("{file}: {path}: {cause}")]
-    Scene {
-        /// The file.
-        file: String,
-        /// The member.
-        path: String,
-        /// What is wrong.
-        cause: SceneError,
-    },
-    /// A line of a .bpt file is not what it should be.
-    #[error("{file}: line {line}: found \"{found}\" where {expected} should be")]
-    Line {
-        /// The file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
+    #[error("{0}")]
+    Scene(SceneError),
+    /// A word or line is not what it should be.
+    #[error("found \"{found}\" where {expected} should be")]
+    Found {
         /// The word or line found.
         found: String,
         /// What should be there.
         expected: String,
     },
-    /// A .bpt file ends too early.
-    #[error("{file}: line {line}: the file ends where {expected} should be")]
-    Truncated {
-        /// The file.
-        file: String,
-        /// Number of the last line.
-        line: usize,
-        /// What should follow.
-        expected: String,
-    },
+    /// The file ends too early.
+    #[error("the file ends where {0} should be")]
+    Truncated(String),
+}
+
+impl Cause {
+    /// Whether its text is the rest of a sentence that begins with the place.
+    fn continues_the_place(&self) -> bool {
+        matches!(self, Self::NotText(_) | Self::Value { .. } | Self::Count { .. })
+    }
 }
 
 fn near_text(near: &str) -> String {

@@ -46,31 +46,57 @@ mod pieces;
 mod raw;
 mod write;
 
-use crate::FormatError;
-use crate::place::Place;
+use crate::document::Document;
+use crate::error::FormatError;
+use crate::format::{Format, file_name, text, text_head};
+use crate::member::Member;
 use crate::wrap::wrap;
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, NurbsError, Surface};
 use pieces::{Cut, Net};
-use raw::{Convention, Format, RawDocument, RawFace, RawLoop, RawSurface, RawTrim, Version};
+use raw::{Convention, RawDocument, RawFace, RawLoop, RawSurface, RawTrim, Version};
 use scene::{Face, Loop, Model, Note, SceneError, Trim};
 use std::ops::Range;
-use std::path::Path;
 
 pub use write::write;
 
 /// The most faces and trims that stand in no file, but are copies for the parts of torn surfaces.
 const COPIED: usize = 100_000;
 
+/// The format.
+pub struct Json;
+
+impl Format for Json {
+    fn name(&self) -> &'static str {
+        "JSON"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["json"]
+    }
+
+    fn start(&self) -> &'static str {
+        "starts with '{'"
+    }
+
+    fn sniff(&self, head: &[u8]) -> bool {
+        text_head(head).trim_start().starts_with('{')
+    }
+
+    fn read(&self, bytes: &[u8], file: &str) -> Result<Document, FormatError> {
+        Ok(Document::of_model(parse(text(bytes, file)?, file)?))
+    }
+}
+
 /// Reads a model from JSON text; `file` names it in messages, and its last component names a model without a name.
 ///
 /// # Errors
-/// [`FormatError::Syntax`] and [`FormatError::Kind`] with line, column and member; [`FormatError::Value`],
-/// [`FormatError::Count`], [`FormatError::Nurbs`] and [`FormatError::Scene`] with the member.
+/// [`Cause::Syntax`](crate::Cause::Syntax) and [`Cause::Kind`](crate::Cause::Kind) with line, column and member; `Value`,
+/// `Count`, `Nurbs` and `Scene` with the member.
 pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
-    let place = Place::document(file);
+    let place = Member::document(file);
     let RawDocument {
-        format: Format,
+        format: raw::Format,
         version: Version,
         surfaces: raw_surfaces,
         name,
@@ -124,18 +150,13 @@ pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
     Model::of_sound_faces(name, surfaces, faces, notes).map_err(|cause| place.scene(cause))
 }
 
-/// The last component of a path.
-pub(crate) fn file_name(file: &str) -> String {
-    Path::new(file).file_name().map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
-}
-
 /// Checks the number of knots for `count` control points, and adds those that the convention leaves out.
 fn full_knots(
     degree: usize,
     knots: Vec<f64>,
     count: usize,
     convention: Convention,
-    place: &Place,
+    place: &Member,
 ) -> Result<Vec<f64>, FormatError> {
     // Saturating: no list has usize::MAX entries, so that an overflow is found to be a wrong count.
     let order = degree + 1;
@@ -154,7 +175,7 @@ fn full_knots(
 }
 
 /// The place of a list of knots, with what was done to it.
-fn knots_place<'a>(convention: Convention, place: &Place<'a>) -> Place<'a> {
+fn knots_place<'a>(convention: Convention, place: &Member<'a>) -> Member<'a> {
     match convention {
         Convention::Full => place.clone(),
         Convention::Short => place.remark("with its end knots added"),
@@ -165,7 +186,7 @@ fn knots_place<'a>(convention: Convention, place: &Place<'a>) -> Place<'a> {
 fn build_surface(
     raw: RawSurface,
     inherited: Convention,
-    place: &Place,
+    place: &Member,
     surfaces: &mut Vec<Surface>,
 ) -> Result<Vec<Cut>, FormatError> {
     let convention = raw.knot_convention.unwrap_or(inherited);
@@ -227,7 +248,7 @@ fn checked_surface(
     points: Vec<DVec3>,
     weights: Option<Vec<f64>>,
     remark: Option<&str>,
-    place: &Place,
+    place: &Member,
 ) -> Result<Surface, FormatError> {
     let [knots_u, knots_v] = vectors.try_into().expect("one vector a direction");
     Surface::new(knots_u, knots_v, points, weights).map_err(|cause| {
@@ -240,7 +261,7 @@ fn checked_surface(
     })
 }
 
-fn build_face(raw: RawFace, convention: Convention, place: &Place) -> Result<Face, FormatError> {
+fn build_face(raw: RawFace, convention: Convention, place: &Member) -> Result<Face, FormatError> {
     let usual = Usual { convention, edge_tolerance: raw.edge_tolerance, vertex_tolerance: raw.vertex_tolerance };
     let mut loops = vec![];
     for (i, raw) in raw.loops.unwrap_or_default().into_iter().enumerate() {
@@ -263,7 +284,7 @@ struct Usual {
     vertex_tolerance: Option<f64>,
 }
 
-fn build_loop(raw: RawLoop, usual: &Usual, place: &Place) -> Result<Loop, FormatError> {
+fn build_loop(raw: RawLoop, usual: &Usual, place: &Member) -> Result<Loop, FormatError> {
     let mut trims = vec![];
     for (i, raw) in raw.trims.into_iter().enumerate() {
         trims.push(build_trim(raw, usual, &place.key("trims").index(i))?);
@@ -271,7 +292,7 @@ fn build_loop(raw: RawLoop, usual: &Usual, place: &Place) -> Result<Loop, Format
     Ok(Loop { outer: raw.outer, trims })
 }
 
-fn build_trim(raw: RawTrim, usual: &Usual, place: &Place) -> Result<Trim, FormatError> {
+fn build_trim(raw: RawTrim, usual: &Usual, place: &Member) -> Result<Trim, FormatError> {
     let convention = raw.knot_convention.unwrap_or(usual.convention);
     let degree = raw.degree.0;
     let mut points: Vec<DVec2> = raw.points.into_iter().map(DVec2::from_array).collect();
@@ -295,7 +316,7 @@ fn build_trim(raw: RawTrim, usual: &Usual, place: &Place) -> Result<Trim, Format
 }
 
 /// What a face's type does not prove, checked when it is read and when it is written: tolerance, counts and values.
-fn check_face(face: &Face, place: &Place) -> Result<(), FormatError> {
+fn check_face(face: &Face, place: &Member) -> Result<(), FormatError> {
     if !(face.tolerance >= 0.0 && face.tolerance.is_finite()) {
         return Err(place.key("tolerance").value(face.tolerance, "a finite number not below 0"));
     }
@@ -311,7 +332,7 @@ fn check_face(face: &Face, place: &Place) -> Result<(), FormatError> {
     Ok(())
 }
 
-fn check_trim(trim: &Trim, place: &Place) -> Result<(), FormatError> {
+fn check_trim(trim: &Trim, place: &Member) -> Result<(), FormatError> {
     let tolerances = [("edge_tolerance", Some(trim.edge_tolerance)), ("vertex_tolerance", trim.vertex_tolerance)];
     for (key, tolerance) in tolerances {
         if let Some(tolerance) = tolerance.filter(|t| !(*t >= 0.0 && t.is_finite())) {

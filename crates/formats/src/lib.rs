@@ -1,16 +1,24 @@
 //! Files in, faces out: readers of surface models.
 //!
-//! [`read`] opens a file of any known format; each format is a module that turns text into a checked
-//! [`scene::Model`]. Input is not trusted: whatever the bytes, the answer is a model or a [`FormatError`] that names
-//! the file, the place and the value; memory stays within a constant times the size of the file, which is at most
-//! [`MAX_FILE_BYTES`].
+//! [`open()`] reads a file of any format of the one list, [`FORMATS`]. Each format is a folder with a [`Format`]: bytes in, a
+//! [`Document`] out, which is a checked [`scene::Model`] and what is to be known of how it was read. Input is not trusted:
+//! whatever the bytes, the answer is a document or a [`FormatError`] that names the file, the place and the cause; memory
+//! stays within a constant times the size of the file, which is at most [`MAX_FILE_BYTES`].
 
 pub mod bpt;
+mod brep;
+mod document;
 mod error;
+mod format;
 pub mod json;
+mod member;
 mod open;
 mod place;
+mod step;
 mod wrap;
 
-pub use error::FormatError;
-pub use open::{MAX_FILE_BYTES, read};
+pub use document::{Document, Note, NoteKind, Unit};
+pub use error::{Cause, FormatError};
+pub use format::{Format, Support};
+pub use open::{FORMATS, MAX_FILE_BYTES, open, read};
+pub use place::Place;

@@ -1,50 +1,65 @@
-//! Opening a file: its kind and size are checked before it is read, then the format is chosen.
+//! Opening a file: its kind and size are checked before it is read, then the format is chosen from the one list.
 
-use crate::error::shorten;
-use crate::{FormatError, bpt, json};
+use crate::bpt::Bpt;
+use crate::document::Document;
+use crate::error::{Cause, FormatError, shorten};
+use crate::format::Format;
+use crate::json::Json;
+use crate::place::Place;
+use crate::step::Step;
 use files::ReadError;
-use scene::{Model, escaped};
+use scene::Model;
 use std::path::Path;
 
 /// The largest file that is opened, in bytes: 1 GiB.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Reads a model from a file.
+/// All formats. A file whose extension is none of theirs is read by the first that knows its content.
+pub static FORMATS: &[&dyn Format] = &[&Json, &Bpt, &Step];
+
+/// The start of a file that is shown to [`Format::sniff`], bytes.
+const HEAD: usize = 4096;
+
+/// Reads a file of any of [`FORMATS`]: by its extension, in upper or lower case, or else by its content.
 ///
-/// `.json` is read by [`json::parse`], `.bpt` by [`bpt::parse`] (in upper or lower case); any other file by its
-/// content: `{` begins JSON, a first line that is a whole number begins patches. A byte order mark is skipped.
 /// Pipes and devices are refused, since they may never end.
 ///
 /// # Errors
-/// [`FormatError::Io`], [`FormatError::NotAFile`], [`FormatError::TooLarge`], [`FormatError::NotText`],
-/// [`FormatError::UnknownFormat`], and what the format's own reader says.
-pub fn read(path: impl AsRef<Path>) -> Result<Model, FormatError> {
+/// [`Cause::Io`], [`Cause::NotAFile`], [`Cause::TooLarge`], [`Cause::UnknownFormat`], and what the format's own reader says.
+pub fn open(path: impl AsRef<Path>) -> Result<Document, FormatError> {
     let path = path.as_ref();
     let name = path.display().to_string();
-    let file = escaped(&name);
-    let text = read_text(path, &file)?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let bytes = read_bytes(path, &name)?;
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        Some("json") => json::parse(text, &name),
-        Some("bpt") => bpt::parse(text, &name),
-        _ if text.trim_start().starts_with('{') => json::parse(text, &name),
-        _ if text.lines().map(str::trim).find(|l| !l.is_empty()).is_some_and(|l| l.parse::<usize>().is_ok()) => {
-            bpt::parse(text, &name)
+    let head = &bytes[..bytes.len().min(HEAD)];
+    let by_extension = |format: &&&dyn Format| extension.as_deref().is_some_and(|e| format.extensions().contains(&e));
+    let format = FORMATS.iter().find(by_extension).or_else(|| FORMATS.iter().find(|format| format.sniff(head)));
+    match format {
+        Some(format) => format.read(&bytes, &name),
+        None => {
+            let known = FORMATS.iter().map(|f| format!("{}, which {}", f.name(), f.start())).collect::<Vec<_>>();
+            let text = String::from_utf8_lossy(head);
+            let start = shorten(text.lines().next().unwrap_or_default());
+            Err(FormatError::new(&name, Place::File, Cause::UnknownFormat { known: known.join(", nor "), start }))
         }
-        _ => Err(FormatError::UnknownFormat { file, start: shorten(text.lines().next().unwrap_or_default()) }),
     }
 }
 
-fn read_text(path: &Path, file: &str) -> Result<String, FormatError> {
-    let file = || file.to_owned();
-    let bytes = files::read(path, MAX_FILE_BYTES).map_err(|error| match error {
-        ReadError::Io(cause) => FormatError::Io { file: file(), cause },
-        ReadError::NotAFile => FormatError::NotAFile { file: file() },
-        ReadError::TooLarge { bytes, limit } => FormatError::TooLarge { file: file(), bytes, limit },
-    })?;
-    String::from_utf8(bytes).map_err(|error| {
-        let offset = error.utf8_error().valid_up_to();
-        FormatError::NotText { file: file(), offset, value: error.as_bytes()[offset] }
+/// Reads a file as [`open`] does, for its model alone.
+///
+/// # Errors
+/// Those of [`open`].
+pub fn read(path: impl AsRef<Path>) -> Result<Model, FormatError> {
+    Ok(open(path)?.model)
+}
+
+fn read_bytes(path: &Path, name: &str) -> Result<Vec<u8>, FormatError> {
+    files::read(path, MAX_FILE_BYTES).map_err(|error| {
+        let cause = match error {
+            ReadError::Io(cause) => Cause::Io(cause),
+            ReadError::NotAFile => Cause::NotAFile,
+            ReadError::TooLarge { bytes, limit } => Cause::TooLarge { bytes, limit },
+        };
+        FormatError::new(name, Place::File, cause)
     })
 }

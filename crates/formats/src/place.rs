@@ -1,66 +1,48 @@
-//! Places in a document, for messages: the file and the path of a member.
+//! Places in a file: what errors and notes point at.
 
-use crate::FormatError;
-use crate::error::shorten;
-use nurbs::NurbsError;
-use scene::escaped;
-use std::fmt::Display;
+use std::fmt;
 
-/// A member of a document.
-#[derive(Debug, Clone)]
-pub(crate) struct Place<'a> {
-    file: &'a str,
-    path: String,
+/// Where in a file something stands.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A byte, counted from 0.
+    Byte(usize),
+    /// A line, counted from 1.
+    Line(usize),
+    /// A member of a document, by its path: `surfaces[3].knots_u`.
+    Member(String),
+    /// A member, and the place in the text at which reading it stopped.
+    Text {
+        /// Line, from 1.
+        line: usize,
+        /// Column in bytes, from 1.
+        column: usize,
+        /// The innermost member.
+        member: String,
+    },
+    /// A numbered entity of a file that is made of them.
+    Entity {
+        /// Its number in the file.
+        number: u64,
+        /// The line on which it begins, from 1.
+        line: usize,
+        /// What kind of entity it is.
+        keyword: String,
+    },
 }
 
-impl<'a> Place<'a> {
-    /// The document itself.
-    pub fn document(file: &'a str) -> Self {
-        Self { file, path: String::new() }
-    }
-
-    /// The member `key` of this object.
-    pub fn key(&self, key: &str) -> Self {
-        let dot = if self.path.is_empty() { "" } else { "." };
-        Self { file: self.file, path: format!("{}{dot}{key}", self.path) }
-    }
-
-    /// The entry `index` of this list.
-    pub fn index(&self, index: usize) -> Self {
-        Self { file: self.file, path: format!("{}[{index}]", self.path) }
-    }
-
-    /// The same place with a remark on how its value was changed before it was checked.
-    pub fn remark(&self, remark: &str) -> Self {
-        Self { file: self.file, path: format!("{} ({remark})", self.path) }
-    }
-
-    /// Refuses a list that has not the number of entries that `reason` ask for.
-    pub fn count(&self, found: usize, expected: usize, reason: &'static str) -> Result<(), FormatError> {
-        if found == expected {
-            return Ok(());
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::File => write!(f, "the file"),
+            Self::Byte(offset) => write!(f, "byte {offset}"),
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Member(path) => write!(f, "{path}"),
+            Self::Text { line, column, member } => write!(f, "line {line}, column {column}, in {member}"),
+            Self::Entity { number, line, keyword } => write!(f, "line {line}, #{number} {keyword}"),
         }
-        let (file, path) = (escaped(self.file), self.path.clone());
-        Err(FormatError::Count { file, path, found, expected, reason })
-    }
-
-    /// The value here is not allowed.
-    pub fn value(&self, value: impl Display, expected: &'static str) -> FormatError {
-        let value = shorten(&value.to_string());
-        FormatError::Value { file: escaped(self.file), path: self.path.clone(), value, expected }
-    }
-
-    /// The numbers here do not make a spline.
-    pub fn nurbs(&self, cause: NurbsError) -> FormatError {
-        FormatError::Nurbs { file: escaped(self.file), path: self.path.clone(), cause }
-    }
-
-    /// The surfaces and faces do not make a model; this is the document.
-    pub fn scene(&self, cause: scene::SceneError) -> FormatError {
-        let place = match cause {
-            scene::SceneError::NoSuchSurface { face, .. } => self.key("faces").index(face).key("surface"),
-            _ => self.key("faces"),
-        };
-        FormatError::Scene { file: escaped(place.file), path: place.path, cause }
     }
 }

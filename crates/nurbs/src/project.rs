@@ -57,6 +57,11 @@ impl<'s> Projector<'s> {
         Self { surface, samples }
     }
 
+    /// How many samples a search looks through that does not begin at a place near enough.
+    pub fn samples(&self) -> usize {
+        self.samples.len()
+    }
+
     /// The surface point nearest to `point`, as far as searches from `near` and from the nearest samples find it.
     ///
     /// A search from `near` that ends within `enough` (model units) is taken at once, so that points in a row stay on

@@ -1,6 +1,6 @@
-//! NURBS curves in space: the profiles that Wildcat trims surfaces with.
+//! NURBS curves in space: the profiles that Wildcat trims surfaces with, and the edges of files.
 
-use crate::blossom::blossom;
+use crate::blossom::{blossom, reexpress};
 use crate::surface::usable;
 use crate::weights::checked_weights;
 use crate::{KnotVector, MAX_DEGREE, NurbsError};
@@ -26,6 +26,38 @@ impl SpaceCurve {
     /// Knots and degree.
     pub fn knots(&self) -> &KnotVector {
         &self.knots
+    }
+
+    /// The Euclidean control points.
+    pub fn points(&self) -> impl DoubleEndedIterator<Item = DVec3> + '_ {
+        self.homogeneous.iter().map(|c| c.truncate() / c.w)
+    }
+
+    /// The weights; `None` for a polynomial curve.
+    pub fn weights(&self) -> Option<Vec<f64>> {
+        let weights = || self.homogeneous.iter().map(|c| c.w);
+        weights().any(|w| w != 1.0).then(|| weights().collect())
+    }
+
+    /// The part of the curve over a range of its domain, with the same parameter, clamped at both ends: the same points to
+    /// 4 p ulp (Piegl & Tiller, Sec. 5.2, here by blossoms).
+    ///
+    /// # Errors
+    /// [`NurbsError::EmptyDomain`] where the range is empty, [`NurbsError::OutsideDomain`] where it is not in the domain.
+    pub fn restricted(&self, [start, end]: [f64; 2]) -> Result<Self, NurbsError> {
+        let (p, u, (first, last)) = (self.knots.degree(), self.knots.knots(), self.knots.domain());
+        if let Some(value) = [start, end].into_iter().find(|t| !(first <= *t && *t <= last)) {
+            return Err(NurbsError::OutsideDomain { value, start: first, end: last });
+        }
+        if [start, end] == [first, last] && self.knots.is_clamped() {
+            return Ok(self.clone());
+        }
+        let inner = u.iter().copied().filter(|k| start < *k && *k < end);
+        let ends = [start, end].map(|t| vec![t; p + 1]);
+        let knots: Vec<f64> = ends[0].iter().copied().chain(inner).chain(ends[1].iter().copied()).collect();
+        let knots = KnotVector::new(p, knots)?;
+        let homogeneous = reexpress(&self.knots, &self.homogeneous, &knots);
+        Ok(Self { knots, homogeneous })
     }
 
     /// C(t) and C'(t), on the span that `t` is in; within 4 p ulp of the largest control point, times the weights' ratio.
@@ -62,4 +94,29 @@ pub(crate) fn homogeneous(
     let weights = weights.map(|weights| checked_weights(weights.to_vec(), expected)).transpose()?;
     let weight = |i: usize| weights.as_ref().map_or(1.0, |w| w[i]);
     Ok(points.enumerate().map(|(i, p)| (p * weight(i)).extend(weight(i))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_curve_is_the_same_curve() {
+        let knots = KnotVector::new(3, vec![0.0, 0.5, 1.0, 2.0, 3.0, 3.5, 3.5, 5.0, 6.0, 6.5, 7.0]).unwrap();
+        let points: Vec<DVec3> =
+            (0..7).map(|k| DVec3::new(f64::from(k), f64::from(k * k % 5), f64::from(k % 3))).collect();
+        let weights = [1.0, 2.0, 0.5, 1.0, 3.0, 1.0, 0.7];
+        let curve = SpaceCurve::new(knots, &points, Some(&weights)).unwrap();
+        for range in [[2.0, 5.0], [2.25, 4.0], [3.0, 3.5], [3.1, 3.2], [4.0, 5.0]] {
+            let part = curve.restricted(range).unwrap();
+            assert_eq!(part.knots().domain(), range.into());
+            for k in 0..=10 {
+                let t = range[0] + (range[1] - range[0]) * f64::from(k) / 10.0;
+                let [a, b] = [&curve, &part].map(|c| c.first_derivative(t));
+                assert!(a[0].distance(b[0]) < 1e-13, "{range:?} {t}");
+            }
+        }
+        assert!(matches!(curve.restricted([1.0, 3.0]), Err(NurbsError::OutsideDomain { value: 1.0, .. })));
+        assert!(matches!(curve.restricted([3.0, 3.0]), Err(NurbsError::EmptyDomain { .. })));
+    }
 }

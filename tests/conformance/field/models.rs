@@ -1,7 +1,7 @@
 //! Models of the field: what is read, what is refused and by which name, what is left out and said so.
 
 use super::field;
-use formats::{FormatError, read};
+use formats::{Cause, Document, FormatError, read};
 use glam::DVec3;
 use scene::{FaceId, Model, Note, Region, SceneError};
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ fn opened(name: &str) -> Model {
 fn refusal(path: PathBuf) -> SceneError {
     match read(&path) {
         Ok(_) => panic!("{}: opened", path.display()),
-        Err(FormatError::Scene { cause: SceneError::NoFaceLeft { mut causes }, .. }) if causes.len() == 1 => {
+        Err(FormatError { cause: Cause::Scene(SceneError::NoFaceLeft { mut causes }), .. }) if causes.len() == 1 => {
             causes.remove(0)
         }
         Err(error) => panic!("{error}"),
@@ -58,7 +58,8 @@ fn trims_that_overshoot_their_joint_within_the_tolerance_do_not_cross() {
 
 #[test]
 fn each_face_with_a_gap_is_named_and_the_good_ones_are_drawn() {
-    let Err(FormatError::Scene { cause: SceneError::NoFaceLeft { causes }, .. }) = read(field("C6-loop-gaps")) else {
+    let Err(FormatError { cause: Cause::Scene(SceneError::NoFaceLeft { causes }), .. }) = read(field("C6-loop-gaps"))
+    else {
         panic!("opened")
     };
     for (index, cause) in causes.iter().enumerate() {
@@ -210,7 +211,7 @@ fn hostile_loops_end_soon_with_the_number() {
 fn names_and_numbers_are_fit_to_print() {
     let info = |name: &str| {
         let model = opened(name);
-        xtask::info::text(&model)
+        xtask::info::text(&Document::of_model(model))
     };
     let named = info("43-name-with-controls");
     assert!(named.chars().all(|c| !c.is_control() || c == '\n') && !named.contains('\u{202e}'), "{named}");

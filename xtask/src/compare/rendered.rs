@@ -12,9 +12,9 @@ use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::Result;
 use compare::{PairReport, Verdict};
+use formats::{Document, Note};
 use gbuffer::{GBuffer, Meta, Shading};
 use raycast::Caster;
-use scene::Note;
 use std::process::ExitCode;
 
 /// What one sample shows, without its G-buffers: a picture of many samples holds those of one at a time.
@@ -29,7 +29,7 @@ struct Sample {
 
 /// Runs the command.
 pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
-    let model = model.open()?;
+    let Document { model, notes, .. } = model.document()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let stage = Stage::new(
@@ -49,7 +49,7 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
     let meta = gpu.as_ref().ok().and_then(|metas| metas.first());
     let report = Report {
         model: model.name(),
-        notes: model.notes().iter().map(Note::to_string).collect(),
+        notes: notes.iter().map(Note::to_string).collect(),
         technique: stage.plan.technique.name(),
         size: [viewport.width(), viewport.height()],
         adapter: meta.and_then(|m| m.adapter.clone()),

@@ -3,8 +3,8 @@
 //! Read by seeds that share the path of the member being read, so that a message can name it; numbers go straight
 //! into vectors, without a tree of JSON values between, so that memory stays in proportion to the file.
 
-use crate::FormatError;
-use crate::error::shorten;
+use crate::error::{Cause, FormatError, shorten};
+use crate::place::Place;
 use nurbs::MAX_DEGREE;
 use scene::escaped;
 use serde::Deserialize;
@@ -26,17 +26,16 @@ pub(super) fn parse(text: &str, file: &str) -> Result<RawDocument, FormatError> 
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let document = Seed(&path, PhantomData).deserialize(&mut deserializer);
     document.and_then(|document| deserializer.end().map(|()| document)).map_err(|error| {
-        let (file, (line, column)) = (escaped(file), line_and_column(text, &error));
-        let (path, whole) = (path.text(), error.to_string());
+        let (line, column) = line_and_column(text, &error);
+        let whole = error.to_string();
         // serde_json ends its messages with the place, which has fields of its own here.
         let message = shorten(whole.rsplit_once(" at line ").map_or(whole.as_str(), |(message, _)| message));
-        match error.classify() {
-            Category::Data => FormatError::Kind { file, line, column, path, message },
-            Category::Eof => FormatError::Syntax { file, line, column, path, message, near: String::new() },
-            Category::Syntax | Category::Io => {
-                FormatError::Syntax { file, line, column, path, message, near: word_at(text, line, column) }
-            }
-        }
+        let cause = match error.classify() {
+            Category::Data => Cause::Kind(message),
+            Category::Eof => Cause::Syntax { message, near: String::new() },
+            Category::Syntax | Category::Io => Cause::Syntax { message, near: word_at(text, line, column) },
+        };
+        FormatError::new(file, Place::Text { line, column, member: path.text() }, cause)
     })
 }
 

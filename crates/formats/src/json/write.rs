@@ -2,8 +2,8 @@
 
 use super::check_face;
 use super::raw::{FORMAT, VERSION};
-use crate::FormatError;
-use crate::place::Place;
+use crate::error::FormatError;
+use crate::member::Member;
 use nurbs::{Direction, KnotVector, Surface};
 use scene::{Face, Loop, Model, Trim};
 use std::fmt::Display;
@@ -11,10 +11,10 @@ use std::fmt::Display;
 /// The model as JSON text, ending in a newline. [`super::parse`] returns an equal model, bit for bit.
 ///
 /// # Errors
-/// [`FormatError::Value`] and [`FormatError::Count`], with the model's name for the file, where a face's tolerance or
+/// [`Cause::Value`](crate::Cause::Value) and [`Cause::Count`](crate::Cause::Count), with the model's name for the file, where a face's tolerance or
 /// trim curves hold what could not be read back; models that were read never do.
 pub fn write(model: &Model) -> Result<String, FormatError> {
-    let place = Place::document(model.name()).key("faces");
+    let place = Member::document(model.name()).key("faces");
     for (i, face) in model.faces().iter().enumerate() {
         check_face(face, &place.index(i))?;
     }

@@ -1,7 +1,7 @@
 //! Bad input of every kind gets a message with the file, the place and the value, and never a panic.
 
 use crate::common::root;
-use formats::{FormatError, MAX_FILE_BYTES, bpt, json, read};
+use formats::{Cause, FormatError, MAX_FILE_BYTES, bpt, json, read};
 use models::builtin;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 use scene::{Face, Model};
@@ -310,7 +310,7 @@ fn files_that_cannot_be_read_are_named() {
 #[cfg(unix)]
 #[test]
 fn a_device_that_never_ends_is_refused() {
-    assert!(matches!(read("/dev/zero"), Err(FormatError::NotAFile { .. })));
+    assert!(matches!(read("/dev/zero"), Err(FormatError { cause: Cause::NotAFile, .. })));
 }
 
 #[test]

@@ -1,0 +1,209 @@
+//! Surfaces with the parameters that files give them: from (u, v) to space.
+
+use super::curve::Curve;
+use super::frame::Frame;
+use glam::{DVec2, DVec3};
+use nurbs::Surface;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// A surface; angles are radians.
+#[derive(Debug, Clone)]
+pub(crate) enum Shape {
+    /// u along x, v along y.
+    Plane(Frame),
+    /// u turns about the frame's z, from x toward y; v runs along the profile.
+    Revolved { frame: Frame, profile: Profile },
+    /// u runs along the curve, v along the vector, 1 at its end.
+    Extruded { curve: Curve, vector: DVec3 },
+    /// A spline; whether its sides across u and across v are one curve.
+    Spline { surface: Surface, closed: [bool; 2] },
+}
+
+/// What turns about an axis.
+#[derive(Debug, Clone)]
+pub(crate) enum Profile {
+    /// Distance radius + slope v from the axis at height v: cylinders and cones.
+    Line { radius: f64, slope: f64 },
+    /// Distance major + minor cos v at height minor sin v, for v in `range`: spheres (major 0) and tori.
+    Arc { major: f64, minor: f64, range: [f64; 2], is_closed: bool },
+    /// A curve in space, where u = 0.
+    Curve(Curve),
+}
+
+impl Profile {
+    pub fn sphere(radius: f64) -> Self {
+        Self::Arc { major: 0.0, minor: radius, range: [-FRAC_PI_2, FRAC_PI_2], is_closed: false }
+    }
+
+    /// A torus; where it meets its own axis, the part outside (apple) or inside (lemon).
+    pub fn torus(major: f64, minor: f64, is_outside: bool) -> Self {
+        if minor < major {
+            return Self::Arc { major, minor, range: [0.0, TAU], is_closed: true };
+        }
+        let at_axis = (-major / minor).acos();
+        let range = if is_outside { [-at_axis, at_axis] } else { [at_axis, TAU - at_axis] };
+        Self::Arc { major, minor, range, is_closed: false }
+    }
+
+    /// Distance from the axis, negative across it, and height.
+    pub(super) fn at(&self, v: f64) -> DVec2 {
+        match self {
+            Self::Line { radius, slope } => DVec2::new(radius + slope * v, v),
+            Self::Arc { major, minor, .. } => DVec2::new(major + minor * v.cos(), minor * v.sin()),
+            Self::Curve(_) => unreachable!("a curve in space has no such coordinates"),
+        }
+    }
+}
+
+impl Shape {
+    /// A spline surface, closed where two sides are within `tolerance` of each other, and of no length where they are not.
+    pub fn spline(surface: Surface, tolerance: f64) -> Self {
+        let [[u0, u1], [v0, v1]] = surface.domain();
+        let closed = [0, 1].map(|axis: usize| {
+            let mut widest: f64 = 0.0;
+            let is_one = (0..=CLOSED_SAMPLES).all(|i| {
+                let t = i as f64 / CLOSED_SAMPLES as f64;
+                let at = |s: f64| {
+                    let [a, b] = if axis == 0 { [s, t] } else { [t, s] };
+                    surface.point(u0 + (u1 - u0) * a, v0 + (v1 - v0) * b)
+                };
+                widest = widest.max(at(0.5).distance(at(0.0)));
+                at(0.0).distance(at(1.0)) <= tolerance
+            });
+            is_one && tolerance < widest
+        });
+        Self::Spline { surface, closed }
+    }
+
+    /// The surface at a distance along S_u × S_v, with the same parameters; `None` where that is no surface of these kinds.
+    pub fn offset(&self, distance: f64) -> Option<Self> {
+        match self {
+            Self::Plane(frame) => Some(Self::Plane(Frame { origin: frame.origin + frame.z * distance, ..*frame })),
+            Self::Revolved { frame, profile: Profile::Line { radius, slope } } => {
+                // The normal is across the line, outward: (cos φ, −sin φ) for slope tan φ.
+                let [sin, cos] = [slope / slope.hypot(1.0), slope.hypot(1.0).recip()];
+                let frame = Frame { origin: frame.origin - frame.z * (distance * sin), ..*frame };
+                let radius = radius + distance * cos;
+                let profile = Profile::Line { radius, slope: *slope };
+                (0.0 < radius || *slope != 0.0).then_some(Self::Revolved { frame, profile })
+            }
+            Self::Revolved { frame, profile: Profile::Arc { major, minor, is_closed, .. } }
+                if *is_closed || *major == 0.0 =>
+            {
+                let minor = minor + distance;
+                let profile = if *is_closed { Profile::torus(*major, minor, true) } else { Profile::sphere(minor) };
+                (0.0 < minor && (minor < *major || !is_closed)).then_some(Self::Revolved { frame: *frame, profile })
+            }
+            _ => None,
+        }
+    }
+
+    pub fn point(&self, uv: DVec2) -> DVec3 {
+        match self {
+            Self::Plane(frame) => frame.point(uv.extend(0.0)),
+            Self::Revolved { frame, profile: Profile::Curve(curve) } => {
+                let local = frame.local(curve.point(uv.y));
+                frame.point(DVec2::from_angle(uv.x).rotate(local.truncate()).extend(local.z))
+            }
+            Self::Revolved { frame, profile } => {
+                let at = profile.at(uv.y);
+                frame.point((DVec2::from_angle(uv.x) * at.x).extend(at.y))
+            }
+            Self::Extruded { curve, vector } => curve.point(uv.x) + *vector * uv.y,
+            Self::Spline { surface, closed } => {
+                let mut uv = uv;
+                for (axis, [start, end]) in surface.domain().into_iter().enumerate() {
+                    if closed[axis] && !(start <= uv[axis] && uv[axis] <= end) {
+                        uv[axis] = start + (uv[axis] - start).rem_euclid(end - start);
+                    }
+                }
+                surface.point(uv.x, uv.y)
+            }
+        }
+    }
+
+    /// After which u, and after which v, the surface comes back to where it was.
+    pub fn periods(&self) -> [Option<f64>; 2] {
+        match self {
+            Self::Plane(_) => [None; 2],
+            Self::Revolved { profile, .. } => {
+                let v = match profile {
+                    Profile::Line { .. } => None,
+                    Profile::Arc { is_closed, .. } => is_closed.then_some(TAU),
+                    Profile::Curve(curve) => curve.period(),
+                };
+                [Some(TAU), v]
+            }
+            Self::Extruded { curve, .. } => [curve.period(), None],
+            Self::Spline { surface, closed } => {
+                let [[u0, u1], [v0, v1]] = surface.domain();
+                [closed[0].then_some(u1 - u0), closed[1].then_some(v1 - v0)]
+            }
+        }
+    }
+
+    /// How far the surface reaches by itself: for each parameter the least and the greatest value, infinite where there
+    /// is no end, and any whole period where it is closed.
+    pub fn natural(&self) -> [[f64; 2]; 2] {
+        let endless = [f64::NEG_INFINITY, f64::INFINITY];
+        let along = |curve: &Curve| curve.domain().or(curve.period().map(|period| [0.0, period])).unwrap_or(endless);
+        match self {
+            Self::Plane(_) => [endless; 2],
+            Self::Revolved { profile, .. } => {
+                let v = match profile {
+                    Profile::Line { .. } => endless,
+                    Profile::Arc { range, .. } => *range,
+                    Profile::Curve(curve) => along(curve),
+                };
+                [[0.0, TAU], v]
+            }
+            Self::Extruded { curve, .. } => [along(curve), endless],
+            Self::Spline { surface, .. } => surface.domain(),
+        }
+    }
+
+    /// The whole turns that bring an angle into the range in which an arc is given: files may name it a turn off.
+    pub fn turns(&self, uv: DVec2) -> DVec2 {
+        match self {
+            Self::Revolved { profile: Profile::Arc { range, is_closed: false, .. }, .. } => {
+                DVec2::new(0.0, ((0.5 * (range[0] + range[1]) - uv.y) / TAU).round() * TAU)
+            }
+            _ => DVec2::ZERO,
+        }
+    }
+
+    /// The v at which a cone has its apex.
+    pub fn apex(&self) -> Option<f64> {
+        match self {
+            Self::Revolved { profile: Profile::Line { radius, slope }, .. } if *slope != 0.0 => Some(-radius / slope),
+            _ => None,
+        }
+    }
+}
+
+/// At how many places two sides of a spline are compared.
+const CLOSED_SAMPLES: usize = 16;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_offset_is_that_far_along_the_normal() {
+        let frame = Frame::new(DVec3::new(1.0, 2.0, 3.0), Some(DVec3::new(1.0, 1.0, 2.0)), Some(DVec3::Y)).unwrap();
+        let revolved = |profile| Shape::Revolved { frame, profile };
+        let line = |radius, slope| revolved(Profile::Line { radius, slope });
+        let round = [Profile::sphere(2.0), Profile::torus(3.0, 1.0, true)].map(revolved);
+        for shape in [Shape::Plane(frame), line(2.0, 0.0), line(2.0, -0.5)].iter().chain(&round) {
+            let offset = shape.offset(0.25).unwrap();
+            for k in 0..50 {
+                let uv = DVec2::new(0.1 + 0.1 * f64::from(k), -0.9 + 0.03 * f64::from(k));
+                let d = |du: f64, dv: f64| shape.point(uv + DVec2::new(du, dv));
+                const H: f64 = 1e-5;
+                let normal = (d(H, 0.0) - d(-H, 0.0)).cross(d(0.0, H) - d(0.0, -H)).normalize();
+                let expected = shape.point(uv) + 0.25 * normal;
+                assert!(offset.point(uv).distance(expected) < 1e-9, "{shape:?} {uv}");
+            }
+        }
+    }
+}

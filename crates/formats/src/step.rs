@@ -1,0 +1,272 @@
+//! STEP files (ISO 10303-21) of AP203, AP214 and AP242: their faces, with the file's own edges for trims.
+//!
+//! The text is read by [`p21`]; instances are looked up when something needs them, so that a bad one costs the face that
+//! it is part of and nothing else. [`assembly`] says which faces are shown, and where; [`topology`] and [`geometry`] hand
+//! each to the boundary representation that all readers feed (`brep`).
+//!
+//! Coordinates stay in the unit of the file's first root representation, which the document names: scaling would round
+//! each of them, and the file's uncertainty is stated in its own unit. Parts in another unit are scaled to that.
+
+mod assembly;
+mod fault;
+mod geometry;
+mod p21;
+mod spline;
+mod support;
+mod topology;
+mod units;
+mod value;
+
+use crate::brep::face::make;
+use crate::brep::frame::Motion;
+use crate::brep::source::{Found, Made};
+use crate::document::{Document, Note, NoteKind};
+use crate::error::{Cause, FormatError};
+use crate::format::{Format, Support, file_name, text_head};
+use crate::place::Place;
+use assembly::{Assembly, Placed, RELATIONS, REPRESENTATIONS};
+use fault::{Fault, fault};
+use geometry::Geometry;
+use nurbs::{Direction, Surface};
+use p21::Instances;
+use scene::{Face, Model};
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
+use units::Units;
+
+/// How many control points and edges are read at most, those that are named again counted again: so many, and more for each
+/// byte. Real files come to a hundredth of that.
+const WORK: usize = 1 << 21;
+const WORK_A_BYTE: usize = 4;
+
+/// The format.
+pub struct Step;
+
+impl Format for Step {
+    fn name(&self) -> &'static str {
+        "STEP"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["step", "stp", "p21"]
+    }
+
+    fn start(&self) -> &'static str {
+        "starts with ISO-10303-21"
+    }
+
+    fn sniff(&self, head: &[u8]) -> bool {
+        text_head(head).trim_start().starts_with("ISO-10303-21")
+    }
+
+    fn entities(&self) -> &'static [(&'static str, Support)] {
+        support::ENTITIES
+    }
+
+    fn read(&self, bytes: &[u8], file: &str) -> Result<Document, FormatError> {
+        read(bytes, file)
+    }
+}
+
+fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
+    let instances = Instances::new(bytes);
+    if instances.len() == 0 {
+        return Err(FormatError::new(file, Place::File, Cause::Kind("it has no instances: #1 = …".to_owned())));
+    }
+    let keywords: Vec<&'static str> = REPRESENTATIONS.into_iter().chain(RELATIONS).chain(["ADVANCED_FACE"]).collect();
+    let of = instances.of(&keywords);
+    let mut assembly = Assembly::new(&instances, &of);
+    let mut notes: Vec<Note> = vec![];
+    let reached: BTreeSet<u64> = assembly.placed.iter().map(|placed| placed.number).collect();
+    let lost: Vec<u64> = of["ADVANCED_FACE"].iter().copied().filter(|number| !reached.contains(number)).collect();
+    if let Some(first) = lost.first() {
+        let text = format!("{} faces that no representation shows are drawn where they stand", lost.len());
+        notes.push(Note { kind: NoteKind::Healed, place: place(&instances, *first), text });
+        let placed = |number: u64| Placed {
+            number,
+            motion: Motion::IDENTITY,
+            reversed: false,
+            context: assembly.context,
+            instance: usize::MAX,
+        };
+        let placed: Vec<Placed> = lost.into_iter().map(placed).collect();
+        assembly.placed.extend(placed);
+    }
+    let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
+    let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), made: BTreeMap::new(), work: &work };
+    let mut uses: BTreeMap<(u64, Option<u64>), usize> = BTreeMap::new();
+    for placed in &assembly.placed {
+        *uses.entry((placed.number, placed.context)).or_default() += 1;
+    }
+    let (mut surfaces, mut faces, mut total) = (vec![], vec![], Total::default());
+    let mut edges: BTreeMap<(usize, i64), i64> = BTreeMap::new();
+    let mut faults = std::mem::take(&mut assembly.faults);
+    for placed in &assembly.placed {
+        let left = uses.get_mut(&(placed.number, placed.context)).expect("each was counted");
+        *left -= 1;
+        match reader.face(placed, *left == 0) {
+            Ok(made) => {
+                total.add(placed.number, &made.found);
+                let (surface, mut face) = moved(made, placed);
+                face.surface = surfaces.len();
+                for trim in face.loops.iter_mut().flat_map(|l| &mut l.trims) {
+                    let next = edges.len() as i64;
+                    trim.edge = trim.edge.map(|edge| *edges.entry((placed.instance, edge)).or_insert(next));
+                }
+                surfaces.push(surface);
+                faces.push((usize::try_from(placed.number).unwrap_or(usize::MAX), face));
+            }
+            Err(fault) => faults.push(fault),
+        }
+    }
+    let units = reader.units(assembly.context).clone();
+    drop(reader);
+    notes.extend(instances.faults.iter().map(|(line, why)| Note {
+        kind: NoteKind::Healed,
+        place: Place::Line(*line),
+        text: format!("the text makes no sense: {why}"),
+    }));
+    if 0 < instances.more_faults {
+        let text = format!("{} more places of the text make no sense", instances.more_faults);
+        notes.push(Note { kind: NoteKind::Healed, place: Place::File, text });
+    }
+    notes.extend(faults.iter().map(|fault| Note {
+        kind: NoteKind::LeftOut,
+        place: place(&instances, fault.number),
+        text: format!("left out: {}", fault.why),
+    }));
+    notes.extend(total.notes(&instances, units.length.as_ref().map_or("model unit", |unit| &unit.name)));
+    if faces.is_empty() {
+        let why = faults.first().map_or_else(
+            || "it shows no faces".to_owned(),
+            |fault| format!("no face can be drawn; the first: {}: {}", place(&instances, fault.number), fault.why),
+        );
+        return Err(FormatError::new(file, Place::File, Cause::Kind(why)));
+    }
+    let model = Model::of_sound_faces(file_name(file), surfaces, faces, vec![])
+        .map_err(|cause| FormatError::new(file, Place::File, Cause::Scene(cause)))?;
+    notes.extend(model.notes().iter().map(|note| {
+        let face = match note {
+            scene::Note::FaceLeftOut { face, .. }
+            | scene::Note::LoopDropped { face, .. }
+            | scene::Note::WideGap { face, .. } => Some(*face as u64),
+            _ => None,
+        };
+        Note::of_model(face.map_or(Place::File, |face| place(&instances, face)), note)
+    }));
+    Ok(Document { model, unit: units.length, notes })
+}
+
+fn place(instances: &Instances, number: u64) -> Place {
+    let keyword = scene::escaped(instances.keyword(number));
+    Place::Entity { number, line: instances.line(number), keyword }
+}
+
+/// Makes faces, each once.
+struct Reader<'f, 'b> {
+    instances: &'f Instances<'b>,
+    work: &'f Cell<usize>,
+    contexts: BTreeMap<Option<u64>, Units>,
+    /// Those that stand at several places.
+    made: BTreeMap<(u64, Option<u64>), Result<Made, Fault>>,
+}
+
+impl Reader<'_, '_> {
+    fn units(&mut self, context: Option<u64>) -> &Units {
+        self.contexts.entry(context).or_insert_with(|| Units::of_context(self.instances, context))
+    }
+
+    /// The face, in the coordinates of its representation; `is_last` says that it is not asked for again.
+    fn face(&mut self, placed: &Placed, is_last: bool) -> Result<Made, Fault> {
+        let key = (placed.number, placed.context);
+        if let Some(made) = self.made.get(&key) {
+            let made = made.clone();
+            if is_last {
+                self.made.remove(&key);
+            }
+            return made;
+        }
+        let (instances, work) = (self.instances, self.work);
+        let units = self.units(placed.context);
+        let geometry = Geometry { instances, angle: units.angle, tolerance: units.uncertainty, work };
+        let is_face = matches!(instances.keyword(placed.number), "ADVANCED_FACE" | "FACE_SURFACE");
+        let source = if is_face {
+            topology::face(&geometry, placed.number)
+        } else {
+            topology::surface(&geometry, placed.number)
+        };
+        // What is wrong with a part of it is told with the part's own place, and the face's number.
+        let made = source
+            .map_err(|cause| match cause.number == placed.number {
+                true => cause,
+                false => fault(placed.number, format!("{}: {}", place(instances, cause.number), cause.why)),
+            })
+            .and_then(|source| make(&source).map_err(|cause| fault(placed.number, cause.to_string())));
+        if !is_last {
+            self.made.insert(key, made.clone());
+        }
+        made
+    }
+}
+
+/// A face at its place.
+fn moved(made: Made, placed: &Placed) -> (Surface, Face) {
+    let Made { surface, mut face, .. } = made;
+    let motion = &placed.motion;
+    face.reversed ^= placed.reversed;
+    if *motion == Motion::IDENTITY {
+        return (surface, face);
+    }
+    face.reversed ^= motion.mirrors();
+    face.tolerance *= motion.factor();
+    let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
+    let points = surface.points().iter().map(|p| motion.point(*p)).collect();
+    let weights = surface.weights().map(<[f64]>::to_vec);
+    match Surface::new(u, v, points, weights) {
+        Ok(moved) => (moved, face),
+        // Too far away to be drawn: where it stands it can be.
+        Err(_) => (surface, face),
+    }
+}
+
+/// What was approximated and mended in the whole file.
+#[derive(Default)]
+struct Total {
+    faces: usize,
+    first: Option<u64>,
+    /// A face with the vertex that is farthest from its edges.
+    vertex: Option<u64>,
+    found: Found,
+}
+
+impl Total {
+    fn add(&mut self, face: u64, found: &Found) {
+        if 0 < found.projected {
+            self.faces += 1;
+            self.first.get_or_insert(face);
+        }
+        self.found.projected += found.projected;
+        self.found.error = self.found.error.max(found.error);
+        self.found.gap = self.found.gap.max(found.gap);
+        if self.found.vertex < found.vertex {
+            self.found.vertex = found.vertex;
+            self.vertex = Some(face);
+        }
+    }
+
+    fn notes(&self, instances: &Instances, unit: &str) -> impl Iterator<Item = Note> {
+        let Found { projected, error, gap, .. } = self.found;
+        let text = format!(
+            "{projected} edges of {} faces, this one the first, have no (u, v) curve on their surface: they are followed there \
+             within {error:.1e} {unit}, and are at most {gap:.1e} from it, both as measured",
+            self.faces
+        );
+        let edges = self.first.map(|face| Note { kind: NoteKind::Approximated, place: place(instances, face), text });
+        let text = format!(
+            "vertices are up to {:.1e} {unit} from their edges, at this face; gaps there are closed, above the file's tolerance",
+            self.found.vertex
+        );
+        let vertex = self.vertex.map(|face| Note { kind: NoteKind::Healed, place: place(instances, face), text });
+        edges.into_iter().chain(vertex)
+    }
+}

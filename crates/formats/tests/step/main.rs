@@ -1,0 +1,12 @@
+//! STEP files through the public interface.
+
+mod bad_input;
+mod cases;
+mod closed_forms;
+#[path = "../formats/common.rs"]
+#[allow(dead_code)]
+mod common;
+mod oracle;
+mod solids;
+mod support;
+mod writer;
