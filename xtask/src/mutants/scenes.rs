@@ -24,7 +24,7 @@ pub fn scenes(technique: &'static dyn Technique) -> Vec<Shown> {
             [triangles(), joints::joints(), disc::discs()].concat()
         }
         Claims::Chord => [triangles(), joints::joints(), edges()].concat(),
-        Claims::OnRay => [hulls(), joints::joints()[4..7].to_vec()].concat(),
+        Claims::OnRay => [hulls(), joints::joints()[4..].to_vec()].concat(),
     };
     let drawn = |mut shown: Shown| {
         shown.plan.technique = technique;
@@ -95,9 +95,8 @@ fn edges() -> Vec<Shown> {
         let camera = Camera::look_at(at.s + normal, at.s, DVec3::new(0.36, 0.48, 0.8), projection).expect("legal");
         Shown { camera, ..shown }
     };
-    let joints = joints::joints();
-    let [bent, aslant] = ["joints of a bent surface", "joints along the parameters, aslant"]
-        .map(|name| recorded(joints.iter().find(|shown| shown.name == name).expect("there").clone()));
+    let bent = joints::joints().pop().expect("the last is bent");
+    let through_centres = |name, shown| recorded(Shown { name, fills: false, ..shown });
     // On the porthole's ellipse about (0.78, 0.5), a sixth of the way round.
     let (sine, cosine) = FRAC_PI_3.sin_cos();
     let porthole = [0.78 + 0.05 * cosine, 0.5 + 0.11 * sine];
@@ -108,8 +107,8 @@ fn edges() -> Vec<Shown> {
         of("edges beside a whole face", joined(&builtin("cusp"), &cylinder())),
         turning("edges where the surface turns away", builtin("window"), [0.9, 0.1, 0.1]),
         turning("edges on waves of degrees 3 and 4", raised(builtin("islands")), [0.6, 0.2, 0.1]),
-        Shown { name: "edges through centres", fills: false, ..bent },
-        Shown { name: "edges through centres, level and upright", fills: false, ..aslant },
+        through_centres("edges through centres", bent),
+        through_centres("edges through centres, level and upright", joints::joints_along_parameters()),
         near("edges near by", "window", porthole, 0.02),
         near("an edge of thousands of pixels", "window", porthole, 0.001),
     ]

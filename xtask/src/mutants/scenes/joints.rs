@@ -65,23 +65,9 @@ struct Strips {
 
 /// Views from above without perspective, a steep one, and one of a bent surface.
 pub(super) fn joints() -> Vec<Shown> {
-    let from = |eye: DVec3, projection| Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection).expect("legal");
-    let above = from(4.0 * DVec3::Z, Projection::Orthographic { height: 4.0 });
-    let aslant = from(DVec3::new(0.2, -1.3, 1.1), Projection::Perspective { fov_deg: 45.0 });
     let near = from(DVec3::new(0.3, -0.5, 1.3), Projection::Perspective { fov_deg: 50.0 });
-    let (right, down) = ([[-8, 30], [-8, 17], [-8, 4]], [[15, -9], [28, -9], [41, -9]]);
-    let rightward = Strips {
-        name: "joints to the right",
-        camera: above,
-        bend: 0.0,
-        angles: SHEAR,
-        half_gap_px: 0.0,
-        step: [2, 1],
-        steps: 28,
-        are_borders: false,
-        exchanged: 1,
-        starts: right,
-    };
+    let down = [[15, -9], [28, -9], [41, -9]];
+    let rightward = rightward();
     let strips = [
         Strips { name: "joints downward", step: [-1, 3], steps: 18, starts: down, ..rightward },
         Strips { name: "gaps to the right", angles: SLANT, half_gap_px: HALF_GAP_PX, are_borders: true, ..rightward },
@@ -97,19 +83,41 @@ pub(super) fn joints() -> Vec<Shown> {
             ..rightward
         },
         rightward,
-        Strips { name: "joints aslant", camera: aslant, ..rightward },
+        Strips { name: "joints aslant", camera: aslant(), ..rightward },
         Strips { name: "joints of a bent surface", camera: near, bend: -0.08, ..rightward },
-        Strips { name: "joints along the parameters", angles: ALONG, half_gap_px: -OVERLAP_PX, ..rightward },
-        Strips {
-            name: "joints along the parameters, aslant",
-            camera: aslant,
-            angles: ALONG,
-            half_gap_px: -OVERLAP_PX,
-            exchanged: 0,
-            ..rightward
-        },
     ];
     strips.into_iter().map(shown).collect()
+}
+
+/// Joints that run along the parameters, upright on one side and level on the other.
+pub(super) fn joints_along_parameters() -> Shown {
+    let (camera, half_gap_px) = (aslant(), -OVERLAP_PX);
+    let name = "joints along the parameters";
+    shown(Strips { name, camera, angles: ALONG, half_gap_px, exchanged: 0, ..rightward() })
+}
+
+/// Seen from above, from one side of the picture to the other.
+fn rightward() -> Strips {
+    Strips {
+        name: "joints to the right",
+        camera: from(4.0 * DVec3::Z, Projection::Orthographic { height: 4.0 }),
+        bend: 0.0,
+        angles: SHEAR,
+        half_gap_px: 0.0,
+        step: [2, 1],
+        steps: 28,
+        are_borders: false,
+        exchanged: 1,
+        starts: [[-8, 30], [-8, 17], [-8, 4]],
+    }
+}
+
+fn aslant() -> Camera {
+    from(DVec3::new(0.2, -1.3, 1.1), Projection::Perspective { fov_deg: 45.0 })
+}
+
+fn from(eye: DVec3, projection: Projection) -> Camera {
+    Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection).expect("legal")
 }
 
 fn shown(strips: Strips) -> Shown {
