@@ -116,9 +116,13 @@ impl Mutant {
     }
 }
 
-/// All parts of all programs.
+/// All parts of all programs, each once: techniques share some.
 pub fn parts() -> impl Iterator<Item = &'static Part> {
-    COMMON.iter().chain(techniques::ALL.iter().flat_map(|technique| technique.parts()))
+    let all = || COMMON.iter().chain(techniques::ALL.iter().flat_map(|technique| technique.parts()));
+    all()
+        .enumerate()
+        .filter(move |(index, part)| all().take(*index).all(|earlier| earlier != *part))
+        .map(|(_, part)| part)
 }
 
 /// The technique whose programs alone have a part.

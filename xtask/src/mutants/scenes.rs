@@ -1,5 +1,6 @@
 //! The scenes that mutants are shown on, cheap and telling ones first.
 
+mod disc;
 mod joints;
 
 use super::shown::{SIDE, Shown, framed};
@@ -10,12 +11,18 @@ use glam::DVec3;
 use nurbs::{Direction, KnotVector, Surface};
 use pipeline::Scheme;
 use scene::{Camera, Face, Model, Projection, Viewport};
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_3};
 use techniques::Technique;
+
+/// The part that techniques of grids have.
+const GRIDS: &str = "grid/corner.wgsl";
 
 /// Those of a technique, in the order in which a mutant meets them.
 pub fn scenes(technique: &'static dyn Technique) -> Vec<Shown> {
     let scenes = match technique.claims() {
+        Claims::Chord if technique.parts().iter().any(|part| part.file == GRIDS) => {
+            [triangles(), joints::joints(), disc::discs()].concat()
+        }
         Claims::Chord => [triangles(), joints::joints(), edges()].concat(),
         Claims::OnRay => [hulls(), joints::joints()[4..].to_vec()].concat(),
     };
@@ -67,16 +74,44 @@ fn triangles() -> Vec<Shown> {
     ]
 }
 
-/// What shows where trim edges pass by.
+/// What shows where trim edges pass by: in the whole picture of a model, where the surface turns away, where the centres of
+/// pixels lie on edges, and so near that an edge is thousands of pixels long.
 fn edges() -> Vec<Shown> {
-    let recorded = |name, model: &str| {
-        let shown = framed(name, builtin(model), Scheme::General);
-        Shown { plan: Plan { edges: true, ..shown.plan }, ..shown }
+    let recorded = |shown: Shown| Shown { plan: Plan { edges: true, ..shown.plan }, ..shown };
+    let of = |name, model: Model| recorded(framed(name, model, Scheme::General));
+    let whole = |name, model: &str| of(name, builtin(model));
+    let turning = |name, model: Model, eye: [f64; 3]| {
+        let shown = of(name, model);
+        let eye = shown.model.hull().center() + shown.model.hull().diagonal() * DVec3::from_array(eye);
+        let projection = Projection::Perspective { fov_deg: 40.0 };
+        let camera = Camera::look_at(eye, shown.model.hull().center(), DVec3::Z, projection).expect("legal");
+        Shown { camera, ..shown }
     };
-    let [islands, word, window] =
-        [("edges of islands", "islands"), ("edges of a word", "text"), ("edges by a seam", "window")]
-            .map(|(name, model)| recorded(name, model));
-    vec![islands, orthographic(word), window]
+    let near = |name, model: &str, [u, v]: [f64; 2], height| {
+        let shown = whole(name, model);
+        let at = shown.model.surfaces()[0].first_derivatives(u, v);
+        let normal = at.su.cross(at.sv).normalize();
+        let projection = Projection::Orthographic { height };
+        let camera = Camera::look_at(at.s + normal, at.s, DVec3::new(0.36, 0.48, 0.8), projection).expect("legal");
+        Shown { camera, ..shown }
+    };
+    let bent = joints::joints().pop().expect("the last is bent");
+    let through_centres = |name, shown| recorded(Shown { name, fills: false, ..shown });
+    // On the porthole's ellipse about (0.78, 0.5), a sixth of the way round.
+    let (sine, cosine) = FRAC_PI_3.sin_cos();
+    let porthole = [0.78 + 0.05 * cosine, 0.5 + 0.11 * sine];
+    vec![
+        whole("edges of islands", "islands"),
+        orthographic(whole("edges of a word", "text")),
+        whole("edges by a seam", "window"),
+        of("edges beside a whole face", joined(&builtin("cusp"), &cylinder())),
+        turning("edges where the surface turns away", builtin("window"), [0.9, 0.1, 0.1]),
+        turning("edges on waves of degrees 3 and 4", raised(builtin("islands")), [0.6, 0.2, 0.1]),
+        through_centres("edges through centres", bent),
+        through_centres("edges through centres, level and upright", joints::joints_along_parameters()),
+        near("edges near by", "window", porthole, 0.02),
+        near("an edge of thousands of pixels", "window", porthole, 0.001),
+    ]
 }
 
 /// What shows the search for roots: folds, grazing views, poles, hulls that the near plane cuts, and hulls of all sizes.
@@ -143,6 +178,12 @@ fn cylinder() -> Model {
     let (u, v) = (knots(2, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]), knots(1, &[0.0, 0.0, 1.0, 1.0]));
     let surface = Surface::new(u, v, points, Some(weights)).expect("legal");
     Model::of_surfaces("cylinder", vec![surface]).expect("one face")
+}
+
+/// The same model, its surfaces of a higher degree along v.
+fn raised(model: Model) -> Model {
+    let surfaces = model.surfaces().iter().map(|surface| surface.elevated(Direction::V).expect("a low degree"));
+    Model::new(model.name(), surfaces.collect(), model.faces().to_vec()).expect("as legal as before")
 }
 
 /// The faces of both.

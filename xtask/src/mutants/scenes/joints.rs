@@ -22,6 +22,18 @@ const SHEAR: [f64; 2] = [3.0, 63.0];
 /// The same where the joint is a border of the parameters.
 const SLANT: [f64; 2] = [4.0, 180.0];
 
+/// The same where the joint runs along the parameters: upright in one strip, level in the next.
+const ALONG: [f64; 2] = [0.0, 90.0];
+
+/// How far the parameters of a strip go on beyond its outline on each side, as a share of its size, where joints are no borders.
+const BEYOND: f64 = 0.0625;
+
+/// What corners of an outline are rounded to, of the parameters: far less than f32 tells apart.
+const ROUNDED: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// By how much strips reach across a joint where f64 alone would leave holes in the reference, pixels; f32 does not tell it.
+const OVERLAP_PX: f64 = 1e-8;
+
 /// Half of a gap, pixels: less than a face covers beyond its border.
 const HALF_GAP_PX: f64 = 1.0 / 512.0;
 
@@ -34,6 +46,10 @@ struct Strips {
     name: &'static str,
     camera: Camera,
     bend: f64,
+    /// The angles from a joint to the directions of the parameters, degrees.
+    angles: [f64; 2],
+    /// Half of the gap at a joint, pixels.
+    half_gap_px: f64,
     /// Pixels from one centre on a joint to the next, right and down.
     step: [i32; 2],
     /// How many steps a joint has.
@@ -49,38 +65,59 @@ struct Strips {
 
 /// Views from above without perspective, a steep one, and one of a bent surface.
 pub(super) fn joints() -> Vec<Shown> {
-    let from = |eye: DVec3, projection| Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection).expect("legal");
-    let above = from(4.0 * DVec3::Z, Projection::Orthographic { height: 4.0 });
-    let aslant = from(DVec3::new(0.2, -1.3, 1.1), Projection::Perspective { fov_deg: 45.0 });
     let near = from(DVec3::new(0.3, -0.5, 1.3), Projection::Perspective { fov_deg: 50.0 });
-    let (right, down) = ([[-8, 30], [-8, 17], [-8, 4]], [[15, -9], [28, -9], [41, -9]]);
-    let rightward = Strips {
-        name: "joints to the right",
-        camera: above,
-        bend: 0.0,
-        step: [2, 1],
-        steps: 28,
-        are_borders: false,
-        exchanged: 1,
-        starts: right,
-    };
+    let down = [[15, -9], [28, -9], [41, -9]];
+    let rightward = rightward();
     let strips = [
         Strips { name: "joints downward", step: [-1, 3], steps: 18, starts: down, ..rightward },
-        Strips { name: "gaps to the right", are_borders: true, ..rightward },
+        Strips { name: "gaps to the right", angles: SLANT, half_gap_px: HALF_GAP_PX, are_borders: true, ..rightward },
         Strips {
             name: "gaps downward",
             step: [-1, 3],
             steps: 18,
+            angles: SLANT,
+            half_gap_px: HALF_GAP_PX,
             are_borders: true,
             exchanged: 0,
             starts: down,
             ..rightward
         },
         rightward,
-        Strips { name: "joints aslant", camera: aslant, ..rightward },
+        Strips { name: "joints aslant", camera: aslant(), ..rightward },
         Strips { name: "joints of a bent surface", camera: near, bend: -0.08, ..rightward },
     ];
     strips.into_iter().map(shown).collect()
+}
+
+/// Joints that run along the parameters, upright on one side and level on the other.
+pub(super) fn joints_along_parameters() -> Shown {
+    let (camera, half_gap_px) = (aslant(), -OVERLAP_PX);
+    let name = "joints along the parameters";
+    shown(Strips { name, camera, angles: ALONG, half_gap_px, exchanged: 0, ..rightward() })
+}
+
+/// Seen from above, from one side of the picture to the other.
+fn rightward() -> Strips {
+    Strips {
+        name: "joints to the right",
+        camera: from(4.0 * DVec3::Z, Projection::Orthographic { height: 4.0 }),
+        bend: 0.0,
+        angles: SHEAR,
+        half_gap_px: 0.0,
+        step: [2, 1],
+        steps: 28,
+        are_borders: false,
+        exchanged: 1,
+        starts: [[-8, 30], [-8, 17], [-8, 4]],
+    }
+}
+
+fn aslant() -> Camera {
+    from(DVec3::new(0.2, -1.3, 1.1), Projection::Perspective { fov_deg: 45.0 })
+}
+
+fn from(eye: DVec3, projection: Projection) -> Camera {
+    Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection).expect("legal")
 }
 
 fn shown(strips: Strips) -> Shown {
@@ -99,10 +136,12 @@ fn model(strips: &Strips) -> Model {
     let mut borders = vec![beside(first, -MARGIN)];
     borders.extend_from_slice(&joints);
     borders.push(beside(last, MARGIN));
-    let gap =
-        if strips.are_borders { HALF_GAP_PX * strips.camera.pixels_per_unit(viewport(), 1.0).recip() } else { 0.0 };
+    let gap = strips.half_gap_px / strips.camera.pixels_per_unit(viewport(), 1.0);
     let cut = |(index, pair): (usize, &[Vec<DVec2>])| {
-        let (right, left) = (beside(&pair[0], gap), beside(&pair[1], -gap));
+        // A joint along the parameters is one line, which rounding must not break.
+        let ends =
+            |joint: Vec<DVec2>| if strips.angles == ALONG { vec![joint[0], joint[joint.len() - 1]] } else { joint };
+        let (right, left) = (ends(beside(&pair[0], gap)), ends(beside(&pair[1], -gap)));
         let outline: Vec<DVec2> = right.into_iter().chain(left.into_iter().rev()).collect();
         strip(index, &outline, strips)
     };
@@ -129,16 +168,22 @@ fn joint(strips: &Strips, start: [i32; 2]) -> Vec<DVec2> {
 /// The face inside a counterclockwise outline that begins along a joint.
 fn strip(index: usize, outline: &[DVec2], strips: &Strips) -> (Surface, Face) {
     let along = outline[1] - outline[0];
-    let angles = if strips.are_borders { SLANT } else { SHEAR };
-    let [long, short] = angles.map(|angle| DVec2::from_angle(angle.to_radians()).rotate(along));
+    let [long, short] = strips.angles.map(|angle| DVec2::from_angle(angle.to_radians()).rotate(along));
     // Coordinates along the two, and the box that holds the outline.
     let coordinates = |p: DVec2| dvec2(p.perp_dot(short), long.perp_dot(p)) / long.perp_dot(short);
     let box_of =
         |pick: fn(DVec2, DVec2) -> DVec2| outline.iter().map(|&p| coordinates(p)).reduce(pick).expect("corners");
-    let (low, size) = (box_of(DVec2::min), box_of(DVec2::max) - box_of(DVec2::min));
+    let (low, high) = (box_of(DVec2::min), box_of(DVec2::max));
+    let is_along = strips.angles == ALONG;
+    let beyond = if is_along { BEYOND * (high - low) } else { DVec2::ZERO };
+    let (low, size) = (low - beyond, high - low + 2.0 * beyond);
     let origin = low.x * long + low.y * short;
     let (mut u, mut v) = (size.x * long, size.y * short);
     let mut corners: Vec<DVec2> = outline.iter().map(|&p| (coordinates(p) - low) / size).collect();
+    if is_along {
+        // A line along the parameters is one in f64, too.
+        corners.iter_mut().for_each(|p| *p = (*p / ROUNDED).round() * ROUNDED);
+    }
     if strips.are_borders {
         corners = vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
     }
