@@ -17,6 +17,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("gpu", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("raycast", &["nurbs", "scene", "gbuffer"]),
     ("compare", &["nurbs", "scene", "gbuffer", "pipeline"]),
+    ("continuity", &["nurbs", "scene"]),
     ("techniques", &["nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
 ];
 
