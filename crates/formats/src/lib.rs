@@ -16,6 +16,8 @@ pub mod json;
 mod member;
 mod open;
 mod place;
+mod rhino;
+mod spline;
 mod trimmed;
 mod wrap;
 

@@ -1,7 +1,8 @@
 //! What the integration tests share: where the data is, and equality bit for bit.
 
-use nurbs::Direction;
-use scene::{Model, Trim};
+use glam::DVec2;
+use nurbs::{Curve, Direction};
+use scene::{Loop, Model, Trim};
 use std::path::{Path, PathBuf};
 
 /// The workspace root.
@@ -70,4 +71,21 @@ pub fn model_bits(model: &Model) -> impl PartialEq + std::fmt::Debug {
         })
         .collect();
     (surfaces, faces)
+}
+
+/// Straight pieces by which a curve is followed, for each of its spans.
+const PIECES: usize = 200;
+
+/// How often loops run counter-clockwise round a point of (u, v), by polygons close to them.
+pub fn winding(loops: &[Loop], about: DVec2) -> i32 {
+    let mut turned = 0.0;
+    for trim in loops.iter().flat_map(|boundary| &boundary.trims) {
+        let curve = Curve::new(trim.knots.clone(), &trim.points, trim.weights.as_deref()).unwrap();
+        let (start, end) = trim.knots.domain();
+        let count = PIECES * trim.knots.spans().count();
+        let at = |k: usize| curve.point(start + (end - start) * k as f64 / count as f64) - about;
+        let angle: f64 = (0..count).map(|k| at(k).angle_to(at(k + 1))).sum();
+        turned += if trim.reversed { -angle } else { angle };
+    }
+    (turned / std::f64::consts::TAU).round() as i32
 }
