@@ -74,7 +74,7 @@ pub(super) fn document(mut tables: Tables, file: &str) -> Result<Document, Forma
     let model = Model::of_sound_faces(file_name(file), surfaces, faces, vec![])
         .map_err(|cause| FormatError::new(file, Place::File, Cause::Scene(cause)))?;
     for note in model.notes() {
-        let origin = face_of(note).and_then(|face| origins.get(face)).map(|k| &tables.records[*k]);
+        let origin = note.face().and_then(|face| origins.get(face)).map(|k| &tables.records[*k]);
         let mut note = Note::of_model(origin.map_or(Place::File, |record| Place::Byte(record.at)), note);
         if let Some(record) = origin {
             note.text = format!("{}: {}", label(record), note.text);
@@ -82,16 +82,6 @@ pub(super) fn document(mut tables: Tables, file: &str) -> Result<Document, Forma
         notes.push(note);
     }
     Ok(Document { model, unit, notes })
-}
-
-/// The face that a note of a model is about.
-fn face_of(note: &scene::Note) -> Option<usize> {
-    match note {
-        scene::Note::FaceLeftOut { face, .. }
-        | scene::Note::LoopDropped { face, .. }
-        | scene::Note::WideGap { face, .. } => Some(*face),
-        _ => None,
-    }
 }
 
 /// How an object is called in notes: by its class, its name and its identifier.
