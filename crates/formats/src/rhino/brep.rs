@@ -11,6 +11,10 @@ use super::fit::fitted;
 use super::sheet::Sheet;
 use crate::document::NoteKind;
 use scene::{Face, Loop, Trim};
+use std::cell::Cell;
+
+/// How many times the bytes of a brep its trims may read: files name each curve once.
+const USES: usize = 4;
 
 /// What a loop is of, as numbered in the file.
 mod loop_kind {
@@ -34,6 +38,8 @@ struct Lists<'a> {
     trims: Vec<RawTrim>,
     loops: Vec<(Vec<i32>, i32)>,
     faces: Vec<RawFace>,
+    /// How many bytes of curves trims may still read.
+    unread: Cell<usize>,
 }
 
 struct RawTrim {
@@ -105,6 +111,7 @@ fn entry<'l, T>(list: &'l [T], index: i32, what: &str, at: usize) -> Result<&'l 
 
 impl<'a> Lists<'a> {
     fn read(data: &mut Cursor<'a>) -> Result<Self, Fault> {
+        let unread = Cell::new(USES * data.left());
         data.packed_version(3)?;
         let curves = objects(data)?;
         data.content(code::ANONYMOUS)?;
@@ -137,7 +144,7 @@ impl<'a> Lists<'a> {
             c.skip(4)?;
             Ok(face)
         })?;
-        Ok(Self { curves, surfaces, vertices, edges, trims, loops, faces })
+        Ok(Self { curves, surfaces, vertices, edges, trims, loops, faces, unread })
     }
 
     /// A face on the surface of the file that its index names, how many of its loops enclose nothing, and how far trims are off.
@@ -176,6 +183,10 @@ impl<'a> Lists<'a> {
     fn run(&self, raw: &RawTrim, sheet: &Sheet, trims: &mut Vec<Trim>) -> Result<f64, Fault> {
         let curve = entry(&self.curves, raw.curve, "curve", raw.at)?;
         let Some(curve) = curve else { return Err(Fault { at: raw.at, text: "its curve is missing".into() }) };
+        match self.unread.get().checked_sub(curve.data.left()) {
+            Some(unread) => self.unread.set(unread),
+            None => return Err(Fault { at: raw.at, text: "trims repeat curves too often".into() }),
+        }
         let edge = usize::try_from(raw.edge).ok().and_then(|index| self.edges.get(index));
         let vertex = usize::try_from(raw.first_vertex).ok().and_then(|index| self.vertices.get(index));
         let (first, mut off) = (trims.len(), 0.0);

@@ -7,6 +7,9 @@ use crate::spline::weights;
 use glam::{DVec3, DVec4};
 use nurbs::{KnotVector, Surface};
 
+/// The most control points of a sum of two curves, and the most for each of the curves' own: a file of few bytes stays small.
+const MOST_POINTS: [usize; 2] = [1 << 14, 64];
+
 /// A surface of the file.
 #[derive(Debug, Clone)]
 pub(super) struct Sheet {
@@ -26,6 +29,10 @@ impl Sheet {
     /// The sheet that `point` makes of each pair of control points of two curves, u along the first.
     fn product(curves: [Curve; 2], point: impl Fn(DVec4, DVec4) -> DVec4, at: usize) -> Result<Self, Fault> {
         let [u, v] = &curves;
+        let [rows, columns] = [u, v].map(|curve| curve.spline.points().len());
+        if rows.saturating_mul(columns) > MOST_POINTS[0] + MOST_POINTS[1] * (rows + columns) {
+            return Err(Fault { at, text: format!("it is the sum of curves of {rows} and {columns} control points") });
+        }
         let row = |a: &DVec4| v.spline.points().iter().map(|b| point(*a, *b)).collect::<Vec<_>>();
         let grid: Vec<DVec4> = u.spline.points().iter().flat_map(row).collect();
         let knots = [u, v].map(|curve| curve.spline.knots().clone());
@@ -50,8 +57,7 @@ impl Sheet {
     pub fn ruled(curve: &Curve, ends: [impl Fn(DVec4) -> DVec4; 2], range: [f64; 2], at: usize) -> Result<Self, Fault> {
         let row = |p: &DVec4| ends.each_ref().map(|end| end(*p));
         let grid: Vec<DVec4> = curve.spline.points().iter().flat_map(row).collect();
-        let [start, end] = range;
-        let v = KnotVector::new(1, vec![start, start, end, end]).map_err(unfit(at))?;
+        let v = KnotVector::new(1, range.map(|t| [t; 2]).concat()).map_err(unfit(at))?;
         Self::new([curve.spline.knots().clone(), v], &grid, [curve.turns.clone(), vec![]], at)
     }
 
