@@ -14,6 +14,7 @@ mod format;
 mod hard;
 pub mod json;
 mod member;
+mod obj;
 mod open;
 mod place;
 mod rhino;
