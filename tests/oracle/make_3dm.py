@@ -4,7 +4,8 @@
     V/bin/pip install rhino3dm==8.17.0
     V/bin/python tests/oracle/make_3dm.py [FILE.3dm ...]
 
-Without arguments it writes testdata/3dm/parts-N.3dm for archive versions 3 to 8, and testdata/3dm/parts.json with the answers.
+Without arguments it writes testdata/3dm/parts-N.3dm for archive versions 3 to 8, mitred.3dm and transposed.3dm, and for each
+testdata/3dm/NAME.json with the answers.
 With arguments it prints the answers for other files, by their names; those of ../shared/models/rhino/*.3dm are frozen as
 testdata/3dm/samples.json. An answer is a list of faces in the order of the file:
 
@@ -15,7 +16,7 @@ it is in the file (circle, line, sum ...) at the parameters that its `GetSurface
 for 20 x 20 points at the middles of equal cells, decided in space from the shape that the object has by mathematics: 1, 0, or x
 within 1e-3 of an edge. It is absent where the shape is not known here.
 """
-import json, math, os, sys
+import json, math, os, re, struct, sys, zlib
 import rhino3dm as r
 
 P, V = r.Point3d, r.Vector3d
@@ -148,6 +149,37 @@ def build():
     return f, shapes
 
 
+def unit(x, y, z):
+    length = math.sqrt(x * x + y * y + z * z)
+    return x / length, y / length, z / length
+
+
+def mitred(is_transposed):
+    """The bytes of a file with one extrusion whose ends are mitred; rhino3dm has no way to say so, but reads it."""
+    f = r.File3dm()
+    profile = r.PolyCurve()
+    profile.Append(r.Line(P(-1, 2, 0), P(-1, -2, 0)))
+    profile.Append(r.Arc(P(-1, -2, 0), P(1, 0, 0), P(-1, 2, 0)))
+    f.Objects.AddExtrusion(r.Extrusion.Create(profile, 2.0, True), attributes('mitred', 0))
+    f.Write('/tmp/mitred.3dm', 8)
+    b = bytearray(open('/tmp/mitred.3dm', 'rb').read())
+    # Range of the path, up vector, no normals, domain of the path; then whether it is transposed.
+    known = re.escape(struct.pack('<2d', 0, 1)) + b'.{24}' + re.escape(bytes(2 + 48) + struct.pack('<2d', 0, 2))
+    at = re.search(known, b, re.DOTALL).start() + 40
+    b[at:at + 2] = b'\1\1'
+    struct.pack_into('<6d', b, at + 2, *unit(0.3, -0.2, 0.8), *unit(-0.1, 0.4, 0.7))
+    b[at + 66] = is_transposed
+    # The checksum is of the chunk's own bytes, without the chunks in it: the version, and from behind the profile to the caches.
+    start = at
+    while start == at or start + 12 + struct.unpack_from('<q', b, start + 4)[0] < at:
+        start = b.rindex(struct.pack('<I', 0x40008000), 0, start)
+    end = start + 12 + struct.unpack_from('<q', b, start + 4)[0] - 4
+    behind = start + 20 + 12 + struct.unpack_from('<q', b, start + 24)[0]
+    caches = b.index(struct.pack('<I', 0x40008000), behind)
+    struct.pack_into('<I', b, end, zlib.crc32(b[start + 12:start + 20] + b[behind:caches]))
+    return bytes(b)
+
+
 def places(domain, shift):
     (a, b) = domain
     last = N - 1 if shift == 0 else N
@@ -199,7 +231,8 @@ def faces(f, shapes):
             for k in range(len(g.Faces)):
                 face = g.Faces[k]
                 under = face.UnderlyingSurface()
-                shape = shapes.get(name) if is_level(under) else everywhere
+                is_known = name in shapes or not under.IsPlanar(1e-9)
+                shape = (shapes.get(name) if is_level(under) else everywhere) if is_known else None
                 found.append(answer(name, under, face.OrientationIsReversed ^ mirrored, shape, place))
         elif isinstance(g, r.Surface):
             found.append(answer(name, g, mirrored, everywhere, place))
@@ -220,11 +253,14 @@ def main():
     f, shapes = build()
     for version in range(3, 9):
         f.Write(os.path.join(folder, f'parts-{version}.3dm'), version)
+    for name, is_transposed in (('mitred', False), ('transposed', True)):
+        with open(os.path.join(folder, name + '.3dm'), 'wb') as out: out.write(mitred(is_transposed))
     # What is asked is the file that was written, not what was meant.
-    found = faces(r.File3dm.Read(os.path.join(folder, 'parts-8.3dm')), shapes)
-    with open(os.path.join(folder, 'parts.json'), 'w') as out:
-        out.write('[\n' + ',\n'.join(json.dumps(face, separators=(',', ':')) for face in found) + '\n]\n')
-    for face in found: print(face['object'], face['reversed'], face['domain'], 'inside' in face and face['inside'].count('1'))
+    for name, model in (('parts', 'parts-8'), ('mitred', 'mitred'), ('transposed', 'transposed')):
+        found = faces(r.File3dm.Read(os.path.join(folder, model + '.3dm')), shapes if name == 'parts' else {})
+        with open(os.path.join(folder, name + '.json'), 'w') as out:
+            out.write('[\n' + ',\n'.join(json.dumps(face, separators=(',', ':')) for face in found) + '\n]\n')
+        for face in found: print(name, face['object'], face['reversed'], face['domain'], face.get('inside', '').count('1'))
 
 
 main()

@@ -76,7 +76,8 @@ impl Extrusion {
         if self.is_transposed { sheet.transposed(self.at) } else { Ok(sheet) }
     }
 
-    /// A face for each piece of each profile, and the caps. A capped extrusion shows its outside, as openNURBS makes it.
+    /// A face for each piece of each profile, and the caps. A capped extrusion shows its outside, and its inside where it is
+    /// transposed, as openNURBS makes it.
     pub fn body(&self, tolerance: f64) -> Body {
         let mut body = Body::default();
         let mut add = |part: &str, face: Result<(Sheet, Face), Fault>| match face {
@@ -92,7 +93,7 @@ impl Extrusion {
         let is_wrong = |k: usize| if k == 0 { areas[k] < 0.0 } else { areas[k] > 0.0 };
         for (k, profile) in self.profiles.iter().enumerate() {
             for piece in profile {
-                let reversed = is_capped && (is_wrong(k) ^ self.is_transposed);
+                let reversed = is_capped && is_wrong(k);
                 add("a wall", self.side(piece).map(|sheet| (sheet, Face { reversed, ..Face::whole(0) })));
             }
         }
@@ -107,7 +108,12 @@ impl Extrusion {
                     Loop { outer: k == 0, trims }
                 };
                 let loops = self.profiles.iter().enumerate().map(boundary).collect();
-                add(name, self.cap(k).map(|sheet| (sheet, Face { reversed: k == 0, loops, ..Face::whole(0) })));
+                add(
+                    name,
+                    self.cap(k).map(|sheet| {
+                        (sheet, Face { reversed: (k == 0) ^ self.is_transposed, loops, ..Face::whole(0) })
+                    }),
+                );
             }
         }
         body

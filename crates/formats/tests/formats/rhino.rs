@@ -15,9 +15,13 @@ fn parts(version: u32) -> PathBuf {
     root().join(format!("testdata/3dm/parts-{version}.3dm"))
 }
 
-fn answers() -> Vec<Value> {
-    let text = std::fs::read_to_string(root().join("testdata/3dm/parts.json")).unwrap();
+fn answers_of(name: &str) -> Vec<Value> {
+    let text = std::fs::read_to_string(root().join(format!("testdata/3dm/{name}.json"))).unwrap();
     serde_json::from_str(&text).unwrap()
+}
+
+fn answers() -> Vec<Value> {
+    answers_of("parts")
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -57,7 +61,9 @@ fn differences(document: &Document, answers: &[Value]) -> Vec<String> {
         let [along_u, along_v] = [surface.point(u1, v0) - corner, surface.point(u0, v1) - corner];
         let flat = |p: DVec3| {
             let d = p - corner;
-            let [a, b] = [along_u, along_v].map(|e| d.dot(e) / e.length_squared());
+            let normal = along_u.cross(along_v);
+            let a = d.cross(along_v).dot(normal) / normal.length_squared();
+            let b = along_u.cross(d).dot(normal) / normal.length_squared();
             DVec2::new(u0 + (u1 - u0) * a, v0 + (v1 - v0) * b)
         };
         let mut worst: f64 = 0.0;
@@ -100,6 +106,16 @@ fn faces_of_every_version_are_those_of_rhino3dm() {
         let document = open(parts(version)).unwrap_or_else(|e| panic!("{e}"));
         let found = differences(&document, &answers);
         assert!(found.is_empty(), "version {version}:\n{}", found.join("\n"));
+    }
+}
+
+#[test]
+fn mitred_and_transposed_extrusions_are_those_of_rhino3dm() {
+    for name in ["mitred", "transposed"] {
+        let document = open(root().join(format!("testdata/3dm/{name}.3dm"))).unwrap_or_else(|e| panic!("{e}"));
+        let found = differences(&document, &answers_of(name));
+        assert!(found.is_empty(), "{name}:\n{}", found.join("\n"));
+        assert_eq!(document.notes, [], "{name}");
     }
 }
 
