@@ -227,7 +227,10 @@ impl Reader {
                 let open = self.open.as_mut().ok_or("no element is open")?;
                 open.element.loops.push((keyword == "trim", parts));
             }
-            "end" => self.end()?,
+            "end" => {
+                let open = self.open.take().ok_or("no element is open")?;
+                self.build(open);
+            }
             _ if NOT_DRAWN.iter().any(|(name, _)| *name == keyword) || READ_OVER.contains(&keyword) => {}
             _ => return Err("an unknown statement".into()),
         }
@@ -269,17 +272,17 @@ impl Reader {
 
     /// An element that is still open has no `end`.
     fn unended(&mut self) {
-        if let Some(open) = &mut self.open {
+        if let Some(mut open) = self.open.take() {
             open.fault.get_or_insert((open.line, "it has no end".into()));
-            let _ = self.end();
+            self.build(open);
         }
     }
 
-    /// Builds the element that ends.
-    fn end(&mut self) -> Result<(), String> {
-        let Open { line, shape, element, kind, fault } = self.open.take().ok_or("no element is open")?;
+    /// Builds an element, or notes why it cannot be built.
+    fn build(&mut self, open: Open) {
+        let Open { line, shape, element, kind, fault } = open;
         let what = match shape {
-            Shape::SpaceCurve => return Ok(()),
+            Shape::SpaceCurve => return,
             Shape::Curve => format!("curv2 {}", self.curves.len() + 1),
             Shape::Surface(_) => self.surface_label(self.origins.len() - 1),
         };
@@ -308,7 +311,6 @@ impl Reader {
             }
             self.leave_out(line, format!("{what}: {text}"));
         }
-        Ok(())
     }
 
     fn surface_label(&self, number: usize) -> String {

@@ -194,6 +194,30 @@ fn the_samples_of_rhino_open() {
     }
 }
 
+/// The identifier of a block of version 8, in the file's own bytes: it stands before a parent's flag, the index and the name.
+fn block_id(bytes: &[u8], name: &str) -> Vec<u8> {
+    let name: Vec<u8> = name.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let at = bytes.windows(name.len()).position(|part| part == name).unwrap();
+    bytes[at - 27..at - 11].to_vec()
+}
+
+#[test]
+fn a_block_in_itself_ends_with_a_note() {
+    let mut bytes = std::fs::read(parts(8)).unwrap();
+    let [bolt, nested] = ["bolt", "nested"].map(|name| block_id(&bytes, name));
+    let whole = format().read(&bytes, "whole.3dm").unwrap().model.faces().len();
+    let places: Vec<usize> = (0..bytes.len() - 16).filter(|k| bytes[*k..k + 16] == bolt).collect();
+    // In the table of blocks, and in three references, one of which is in the other block.
+    assert_eq!(places.len(), 4);
+    for place in &places[1..] {
+        bytes[*place..place + 16].copy_from_slice(&nested);
+    }
+    let document = format().read(&bytes, "cyclic.3dm").unwrap();
+    assert_eq!(document.model.faces().len(), whole - 3);
+    let deep = |note: &&formats::Note| note.text.contains("blocks stand in blocks more than 16 deep");
+    assert_eq!(document.notes.iter().filter(deep).count(), 3, "{:?}", document.notes);
+}
+
 fn format() -> &'static dyn Format {
     *FORMATS.iter().find(|format| format.name() == "3DM").unwrap()
 }
