@@ -98,7 +98,7 @@ fn change(bytes: &mut Vec<u8>, seeds: &[Vec<u8>], random: &mut Random) {
     }
     let place = random.below(bytes.len());
     let length = 1 + random.below((bytes.len() - place).min(64));
-    match random.below(8) {
+    match random.below(9) {
         0 => bytes[place] ^= 1 << random.below(8),
         1 => bytes[place] = random.below(256) as u8,
         2 => drop(bytes.drain(place..place + length)),
@@ -113,6 +113,7 @@ fn change(bytes: &mut Vec<u8>, seeds: &[Vec<u8>], random: &mut Random) {
             bytes.splice(place..place, other[start..end].iter().copied());
         }
         5 if random.below(8) == 0 => bytes.truncate(place),
+        6 => word(bytes, place, random),
         _ => number(bytes, place, random),
     }
 }
@@ -123,4 +124,27 @@ fn number(bytes: &mut Vec<u8>, place: usize, random: &mut Random) {
     let inside = |byte: &u8| byte.is_ascii_digit() || b"+-.eE".contains(byte);
     let end = start + bytes[start..].iter().take_while(|byte| inside(byte)).count();
     bytes.splice(start..end, NUMBERS[random.below(NUMBERS.len())].bytes());
+}
+
+/// Numbers that readers of binary files trip over, as their 4 or 8 bytes.
+const WORDS: [&[u8]; 12] = [
+    &[0; 4],
+    &1i32.to_le_bytes(),
+    &(-1i32).to_le_bytes(),
+    &i32::MAX.to_le_bytes(),
+    &i32::MIN.to_le_bytes(),
+    &[0; 8],
+    &i64::MAX.to_le_bytes(),
+    &0.5f64.to_le_bytes(),
+    &(-1e300f64).to_le_bytes(),
+    &1e-300f64.to_le_bytes(),
+    &f64::INFINITY.to_le_bytes(),
+    &f64::NAN.to_le_bytes(),
+];
+
+/// Puts another binary number over the bytes at `place`, as far as there are any.
+fn word(bytes: &mut [u8], place: usize, random: &mut Random) {
+    for (byte, new) in bytes[place..].iter_mut().zip(WORDS[random.below(WORDS.len())]) {
+        *byte = *new;
+    }
 }

@@ -12,8 +12,11 @@ mod error;
 mod format;
 pub mod json;
 mod member;
+mod obj;
 mod open;
 mod place;
+mod rhino;
+mod spline;
 mod step;
 mod wrap;
 

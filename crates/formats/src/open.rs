@@ -5,7 +5,9 @@ use crate::document::Document;
 use crate::error::{Cause, FormatError, shorten};
 use crate::format::Format;
 use crate::json::Json;
+use crate::obj::Obj;
 use crate::place::Place;
+use crate::rhino::Rhino;
 use crate::step::Step;
 use files::ReadError;
 use scene::Model;
@@ -15,7 +17,7 @@ use std::path::Path;
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// All formats. A file whose extension is none of theirs is read by the first that knows its content.
-pub static FORMATS: &[&dyn Format] = &[&Json, &Bpt, &Step];
+pub static FORMATS: &[&dyn Format] = &[&Json, &Bpt, &Step, &Rhino, &Obj];
 
 /// The start of a file that is shown to [`Format::sniff`], bytes.
 const HEAD: usize = 4096;

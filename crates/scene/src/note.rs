@@ -43,6 +43,16 @@ pub enum Note {
     },
 }
 
+impl Note {
+    /// The number of the face that it is about; `None` where it is about a surface.
+    pub fn face(&self) -> Option<usize> {
+        match self {
+            Self::FaceLeftOut { face, .. } | Self::LoopDropped { face, .. } | Self::WideGap { face, .. } => Some(*face),
+            Self::SurfaceCut { .. } => None,
+        }
+    }
+}
+
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {

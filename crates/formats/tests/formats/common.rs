@@ -1,7 +1,8 @@
 //! What the integration tests share: where the data is, and equality bit for bit.
 
-use nurbs::Direction;
-use scene::{Model, Trim};
+use glam::DVec2;
+use nurbs::{Curve, Direction};
+use scene::{Loop, Model, Trim};
 use std::path::{Path, PathBuf};
 
 /// The workspace root.
@@ -70,4 +71,31 @@ pub fn model_bits(model: &Model) -> impl PartialEq + std::fmt::Debug {
         })
         .collect();
     (surfaces, faces)
+}
+
+/// Straight pieces by which a curve is followed, for each of its spans.
+const PIECES: usize = 200;
+
+/// Straight pieces close to loops of trims, in their direction.
+pub fn outline(loops: &[Loop]) -> Vec<[DVec2; 2]> {
+    let mut sides = vec![];
+    for trim in loops.iter().flat_map(|boundary| &boundary.trims) {
+        let curve = Curve::new(trim.knots.clone(), &trim.points, trim.weights.as_deref()).unwrap();
+        let (start, end) = trim.knots.domain();
+        let count = if trim.knots.degree() == 1 { 1 } else { PIECES } * trim.knots.spans().count();
+        let at = |k: usize| curve.point(start + (end - start) * k as f64 / count as f64);
+        let points: Vec<DVec2> = (0..=count).map(at).collect();
+        sides.extend(points.windows(2).map(|side| if trim.reversed { [side[1], side[0]] } else { [side[0], side[1]] }));
+    }
+    sides
+}
+
+/// How often an outline runs counter-clockwise round a point, by the sides that cross the ray from it along u.
+pub fn winding(outline: &[[DVec2; 2]], about: DVec2) -> i32 {
+    let crossing = |[a, b]: &[DVec2; 2]| match (a.y > about.y, b.y > about.y) {
+        (false, true) if (*b - *a).perp_dot(about - *a) > 0.0 => 1,
+        (true, false) if (*b - *a).perp_dot(about - *a) < 0.0 => -1,
+        _ => 0,
+    };
+    outline.iter().map(crossing).sum()
 }

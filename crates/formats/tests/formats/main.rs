@@ -3,4 +3,6 @@
 mod bad_input;
 mod common;
 mod extensions;
+mod obj;
+mod rhino;
 mod round_trip;
