@@ -33,7 +33,7 @@ impl Arcs {
     /// For each control point its angle, and how many times as far from the centre it is as the arc; the weight is the
     /// inverse of that.
     pub fn controls(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        let reach = (0.5 * self.step).cos().recip();
+        let reach = libm::cos(0.5 * self.step).recip();
         (0..=2 * self.count)
             .map(move |i| (self.start + 0.5 * self.step * i as f64, if i % 2 == 0 { 1.0 } else { reach }))
     }
@@ -43,7 +43,7 @@ impl Arcs {
         let arcs = (angle - self.start) / self.step;
         let k = arcs.floor();
         let phi = (arcs - k - 0.5) * self.step;
-        let t = 0.5 + 0.5 * (0.5 * phi).tan() / (0.25 * self.step).tan();
+        let t = 0.5 + 0.5 * libm::tan(0.5 * phi) / libm::tan(0.25 * self.step);
         self.start + (k + t) * self.step
     }
 }

@@ -49,7 +49,9 @@ impl Curve {
     pub fn point(&self, t: f64) -> DVec3 {
         match self {
             Self::Line { origin, direction } => *origin + *direction * t,
-            Self::Ellipse { frame, radii } => frame.point(DVec3::new(radii.x * t.cos(), radii.y * t.sin(), 0.0)),
+            Self::Ellipse { frame, radii } => {
+                frame.point(DVec3::new(radii.x * libm::cos(t), radii.y * libm::sin(t), 0.0))
+            }
             Self::Parabola { frame, focal } => frame.point(DVec3::new(focal * t * t, 2.0 * focal * t, 0.0)),
             Self::Hyperbola { frame, radii } => frame.point(DVec3::new(radii.x * t.cosh(), radii.y * t.sinh(), 0.0)),
             Self::Spline { spline, is_closed } => {
@@ -84,7 +86,7 @@ impl Curve {
             Self::Line { origin, direction } => (point - *origin).dot(*direction) / direction.length_squared(),
             Self::Ellipse { frame, radii } => {
                 let local = frame.local(point);
-                (local.y / radii.y).atan2(local.x / radii.x)
+                libm::atan2(local.y / radii.y, local.x / radii.x)
             }
             Self::Parabola { frame, focal } => frame.local(point).y / (2.0 * focal),
             Self::Hyperbola { frame, radii } => (frame.local(point).y / radii.y).asinh(),

@@ -86,7 +86,7 @@ impl Motion {
 
     /// How many times as long lengths become.
     pub fn factor(&self) -> f64 {
-        self.linear.determinant().abs().cbrt()
+        libm::cbrt(self.linear.determinant().abs())
     }
 
     /// Whether left and right are exchanged.

@@ -84,7 +84,7 @@ impl<'s> Inverter<'s> {
                 let local = frame.local(point);
                 let (across, distance) = (local.truncate(), local.truncate().length());
                 let free = (distance <= self.nothing).then_some(0);
-                let angle = across.y.atan2(across.x);
+                let angle = libm::atan2(across.y, across.x);
                 let opposite = angle + PI;
                 match profile {
                     Profile::Line { radius, slope } => {
@@ -100,7 +100,7 @@ impl<'s> Inverter<'s> {
                     }
                     Profile::Arc { major, range, is_closed, .. } => {
                         let side = |distance: f64| {
-                            let v = local.z.atan2(distance - major);
+                            let v = libm::atan2(local.z, distance - major);
                             let turns =
                                 if *is_closed { 0.0 } else { ((0.5 * (range[0] + range[1]) - v) / TAU).round() };
                             let v = v + turns * TAU;
@@ -119,7 +119,7 @@ impl<'s> Inverter<'s> {
                         };
                         let v = self.along(flat, DVec2::new(distance, local.z), near.map(|near| near.y));
                         let own = frame.local(curve.point(v)).truncate();
-                        Inverse { uv: DVec2::new(angle - own.y.atan2(own.x), v), free }
+                        Inverse { uv: DVec2::new(angle - libm::atan2(own.y, own.x), v), free }
                     }
                 }
             }

@@ -40,7 +40,7 @@ impl Profile {
         if minor < major {
             return Self::Arc { major, minor, range: [0.0, TAU], is_closed: true };
         }
-        let at_axis = (-major / minor).acos();
+        let at_axis = libm::acos(-major / minor);
         let range = if is_outside { [-at_axis, at_axis] } else { [at_axis, TAU - at_axis] };
         Self::Arc { major, minor, range, is_closed: false }
     }
@@ -49,7 +49,7 @@ impl Profile {
     pub(super) fn at(&self, v: f64) -> DVec2 {
         match self {
             Self::Line { radius, slope } => DVec2::new(radius + slope * v, v),
-            Self::Arc { major, minor, .. } => DVec2::new(major + minor * v.cos(), minor * v.sin()),
+            Self::Arc { major, minor, .. } => DVec2::new(major + minor * libm::cos(v), minor * libm::sin(v)),
             Self::Curve(_) => unreachable!("a curve in space has no such coordinates"),
         }
     }

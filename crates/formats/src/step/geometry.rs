@@ -277,7 +277,7 @@ impl<'b> Geometry<'_, 'b> {
                 let (radius, angle) = (own.number(2)?, own.number(3)? * self.angle);
                 let is_legal = 0.0 <= radius && angle != 0.0 && angle.abs() < std::f64::consts::FRAC_PI_2;
                 if is_legal {
-                    revolved(Profile::Line { radius, slope: angle.tan() })
+                    revolved(Profile::Line { radius, slope: libm::tan(angle) })
                 } else {
                     Err(fault(number, "it is no cone"))
                 }
