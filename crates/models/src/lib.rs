@@ -1,6 +1,6 @@
 //! The models that are built in: each opens by a name, and is the same numbers on every machine.
 //!
-//! [`builtin`] makes one when it is asked for; nothing of it is kept. [`all`] lists the names, each with a line on what the
+//! [`builtin()`] makes one when it is asked for; nothing of it is kept. [`all`] lists the names, each with a line on what the
 //! model is.
 
 mod builtin;

@@ -150,7 +150,7 @@ impl Grids {
     ///
     /// The bound on a cell is that of Filip, Magedson & Markot (1986; Geiger 2015, Eqs. 20–23), from second derivatives bounded over
     /// the patch, seen at the nearest depth of the patch's box. No cell at a border is longer than the patch beside it needs
-    /// ([`settled`]), so the bound holds there, too.
+    /// (`levels::settled`), so the bound holds there, too.
     ///
     /// # Errors
     /// [`PrepareError`].

@@ -43,7 +43,7 @@ pub struct BorderRecord {
 
 /// The grid of a Bézier patch, or of a part of one whose weights vary much. 272 bytes.
 ///
-/// What a view decides is 0 before [`settled`](super::levels::settled): the levels, the sides and the skirt.
+/// What a view decides is 0 before `levels::settled`: the levels, the sides and the skirt.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct GridRecord {
