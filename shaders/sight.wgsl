@@ -4,7 +4,7 @@
 const NEAR_PX: f32 = 1.0 / 256.0;
 const STEEP: f32 = 1.0 / 16.0;
 const REACH_PX: f32 = 4.0;
-const SKIRT_STEP_PX: f32 = 0.5;
+const SKIRT_STEP_PX: f32 = 1.0;
 const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
 
 struct Sight {

@@ -25,8 +25,10 @@ pub const STEEP: f32 = 1.0 / 16.0;
 /// The farthest that a tangent plane is followed, in pixels were it seen at a right angle.
 pub const REACH_PX: f32 = 4.0;
 
-/// The same for fragments of a skirt, which is narrow. A sliver's, interpolated beyond the triangle, may be anywhere.
-pub const SKIRT_STEP_PX: f32 = 0.5;
+/// The same for fragments of a skirt, which is narrow. A sliver's, interpolated beyond the triangle, may be anywhere. Triangles fall
+/// short of a border by their error in the picture, and by more along a surface that is seen at a slant: this is twice an error
+/// of half a pixel. Half as much left holes in a wing's border at that error.
+pub const SKIRT_STEP_PX: f32 = 1.0;
 
 /// Below this determinant, as a share of the squared columns, the columns count as nearly parallel.
 pub const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
