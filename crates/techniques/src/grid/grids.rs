@@ -187,16 +187,16 @@ impl Grids {
         if least > GREATEST_TRIANGLES {
             return Err(PrepareError::TooManyTriangles { chord_px: error_px });
         }
-        let chosen = loop {
+        let (records, chosen) = loop {
             let (records, chosen) = grids.settled(&grids.views);
             let cells = records.iter().map(|record| record.cells().map(|n| n as usize).iter().product::<usize>());
             if 2 * cells.sum::<usize>() <= REFINED_TRIANGLES.max(least) {
-                break chosen;
+                break (records, chosen);
             }
             grids.built_px *= 2.0;
             grids.asked.error_px = grids.built_px as f32;
         };
-        grids.picture = grids.seen(scene, &grids.views);
+        grids.picture = Picture::new(scene, &grids.programs, records);
         grids.chord = chords(scene, &placed, &chosen);
         grids.cells = cells(scene, &placed, &chosen);
         Ok(grids)
@@ -204,10 +204,7 @@ impl Grids {
 
     /// The grids as another picture has them, whose views of the same scene these are.
     pub fn seen(&self, scene: &PackedScene, views: &[View]) -> Picture {
-        let records = self.settled(views).0;
-        let (tiles, runs) = in_drawing_order(&records, &self.programs);
-        let mesh = mesh(scene, &records, &tiles, &runs);
-        Picture { records, tiles, runs, mesh }
+        Picture::new(scene, &self.programs, self.settled(views).0)
     }
 
     /// Whether the picture is that of these views.
@@ -217,6 +214,15 @@ impl Grids {
 
     fn settled(&self, views: &[View]) -> (Vec<GridRecord>, Vec<Chosen>) {
         settled(&self.records, &self.measures, views, &self.asked)
+    }
+}
+
+impl Picture {
+    /// The picture of settled records, of which these are each program's.
+    fn new(scene: &PackedScene, programs: &[(Program, Range<usize>)], records: Vec<GridRecord>) -> Self {
+        let (tiles, runs) = in_drawing_order(&records, programs);
+        let mesh = mesh(scene, &records, &tiles, &runs);
+        Self { records, tiles, runs, mesh }
     }
 }
 
