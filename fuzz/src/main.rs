@@ -143,7 +143,7 @@ fn seeds(data: &Path, folders: &[&str], extension: &str) -> Result<Vec<Vec<u8>>>
 fn run(name: &str, target: &Target, time: Duration, seed: u64) -> Result<ExitCode> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz");
     fs::create_dir_all(&folder)?;
-    let current = folder.join(format!("{name}-current"));
+    let current = folder.join(format!("{name}-{seed}-current"));
     let done = Arc::new(AtomicU64::new(0));
     watch(done.clone(), current.clone());
     std::panic::set_hook(Box::new(|_| {}));
