@@ -30,14 +30,9 @@ impl Bins {
     pub fn of_samples(geometry: &Geometry, viewport: Viewport) -> Self {
         Self::new(viewport, SIDE_OF_SAMPLES, geometry.triangles(), |i, add| {
             geometry.ids(i, |id| {
-                let corners = geometry.corners(id);
-                let side = |axis: usize| {
-                    let values = corners.map(|c| c.position[axis]);
-                    let [low, high] = [f32::min, f32::max].map(|pick| values.into_iter().reduce(pick));
-                    // A pixel of margin holds what snapping, moving and narrowing to whole pixels can do.
-                    [low.expect("three corners") as i32 - 1, high.expect("three corners") as i32 + 2]
-                };
-                let ([left, right], [top, bottom]) = (side(0), side(1));
+                let [low, high] = geometry.extent(id);
+                // A pixel of margin holds what snapping, moving and narrowing to whole pixels can do.
+                let ([left, top], [right, bottom]) = (low.map(|t| t as i32 - 1), high.map(|t| t as i32 + 2));
                 add(id, Rect { left, top, right, bottom });
             });
         })

@@ -112,6 +112,23 @@ impl<'a> Geometry<'a> {
         }
     }
 
+    /// The least and the greatest x and y of its corners, pixels.
+    pub fn extent(&self, id: u32) -> [[f32; 2]; 2] {
+        let corners = self.corners(id);
+        let of = |pick: fn(f32, f32) -> f32| {
+            [0, 1].map(|axis| {
+                let [a, b, c] = corners.map(|corner| corner.position[axis]);
+                pick(pick(a, b), c)
+            })
+        };
+        [of(f32::min), of(f32::max)]
+    }
+
+    /// One more than the greatest id.
+    pub fn ids_end(&self) -> usize {
+        self.triangles() + self.pieces.len()
+    }
+
     /// Index of the first vertex of a triangle, or of the one that a piece was cut from.
     pub fn first_vertex(&self, id: u32) -> u32 {
         let triangle = (id as usize).checked_sub(self.triangles()).map_or(id, |piece| self.pieces[piece].source);

@@ -6,6 +6,7 @@ pub mod cpu;
 mod cut;
 pub mod frustum;
 pub mod gpu;
+mod outline;
 pub mod patches;
 
 /// Triangles up to which the chord error asked for decides; a camera on a face would ask for any number, and gets a coarser

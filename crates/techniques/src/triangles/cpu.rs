@@ -1,6 +1,7 @@
 //! Who is seen on the CPU: the nearest triangle carries (u, v).
 
 use super::cut::{self, Waiting};
+use super::outline::Outline;
 use pipeline::{Mesh, Parameters};
 use raster::Drawing;
 use raster::bins::Bins;
@@ -94,7 +95,12 @@ impl Visibility for Triangles<'_> {
     }
 
     fn samples(&self) -> Box<dyn Samples + '_> {
-        Box::new(Positions { triangles: self, bins: Bins::of_samples(&self.geometry, self.drawing.viewport) })
+        let bins = Bins::of_samples(&self.geometry, self.drawing.viewport);
+        let mut outlines = vec![Outline::default(); self.geometry.ids_end()];
+        for i in 0..self.geometry.triangles() {
+            self.geometry.ids(i, |id| outlines[id as usize] = Outline::new(&self.geometry, id));
+        }
+        Box::new(Positions { triangles: self, bins, outlines })
     }
 }
 
@@ -102,6 +108,8 @@ impl Visibility for Triangles<'_> {
 struct Positions<'a> {
     triangles: &'a Triangles<'a>,
     bins: Bins,
+    /// By id: a square may hold thousands of triangles, and few of them are near a position.
+    outlines: Vec<Outline>,
 }
 
 impl Samples for Positions<'_> {
@@ -129,6 +137,7 @@ impl Samples for Positions<'_> {
                 Seen { face, place: shown, carried, depth }
             })
         };
-        self.bins.of_pixel(column, row).iter().filter_map(interpolated).collect()
+        let near = |id: &&u32| self.outlines[**id as usize].may_cover([x as f32, y as f32]);
+        self.bins.of_pixel(column, row).iter().filter(near).filter_map(interpolated).collect()
     }
 }
