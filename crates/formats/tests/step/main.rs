@@ -7,6 +7,8 @@ mod closed_forms;
 #[allow(dead_code)]
 mod common;
 mod oracle;
+#[path = "../formats/same_faces.rs"]
+mod same_faces;
 mod solids;
 mod support;
 mod writer;
