@@ -242,5 +242,34 @@ pub(super) fn whole(geometry: &Geometry, number: u32) -> Result<Piece, Fault> {
     Ok(Piece { curve: Curve::spline(spline, geometry.tolerance), range })
 }
 
+/// Pieces in (u, v) in the order in which each begins where the one before it ends. On closed surfaces some files put
+/// them in another order: each then begins a period away from where the one before it ends. Where no order is right, theirs
+/// stays.
+pub(super) fn chained(pieces: Vec<Piece>) -> Vec<Piece> {
+    let ends: Vec<[DVec3; 2]> = pieces.iter().map(|piece| [piece.point(0.0), piece.point(1.0)]).collect();
+    let count = pieces.len();
+    let size = nurbs::Hull::of(ends.iter().flatten().copied()).diagonal();
+    let meet = |a: usize, b: usize| ends[a][1].distance(ends[b][0]) <= MEETING * size;
+    if MOST_REORDERED < count || (0..count).all(|k| meet(k, (k + 1) % count)) {
+        return pieces;
+    }
+    let mut order = vec![0];
+    while order.len() < count {
+        let last = order[order.len() - 1];
+        match (1..count).find(|next| !order.contains(next) && meet(last, *next)) {
+            Some(next) => order.push(next),
+            None => return pieces,
+        }
+    }
+    if !meet(order[count - 1], 0) {
+        return pieces;
+    }
+    order.into_iter().map(|k| pieces[k].clone()).collect()
+}
+
+/// A share of a loop's size in (u, v): ends nearer than that meet. And the most pieces that are put in another order.
+const MEETING: f64 = 1e-3;
+const MOST_REORDERED: usize = 64;
+
 /// How far pieces of a composite may be from each other beyond the file's resolution, as a share of its size.
 const JOINT: f64 = 1e-6;

@@ -1,7 +1,7 @@
 //! Faces of the file, as the boundary representation takes them: bounded and trimmed surfaces (143, 144), and faces of
 //! shells (510).
 
-use super::curve::{Space, pieces};
+use super::curve::{Space, chained, pieces};
 use super::edges::{Edges, Pieces, on_surface};
 use super::fault::{Fault, fault};
 use super::geometry::Geometry;
@@ -112,9 +112,9 @@ impl<'g, 'f, 'b> Faces<'g, 'f, 'b> {
         let pieces = match (plane, space) {
             (Some(Ok(plane)), Some(Ok(space))) => {
                 let is_right = is_preferred || on_surface(&sheet.shape, &plane, &space, self.geometry.tolerance);
-                if is_right { Pieces::Plane(plane) } else { Pieces::Space(space) }
+                if is_right { Pieces::Plane(chained(plane)) } else { Pieces::Space(space) }
             }
-            (Some(Ok(plane)), _) => Pieces::Plane(plane),
+            (Some(Ok(plane)), _) => Pieces::Plane(chained(plane)),
             (_, Some(Ok(space))) => Pieces::Space(space),
             (Some(Err(cause)), _) | (None, Some(Err(cause))) => return Err(cause),
             (None, None) => return Err(fault(number, "it has no curve")),

@@ -6,6 +6,8 @@ mod closed_forms;
 #[path = "../formats/common.rs"]
 #[allow(dead_code)]
 mod common;
+#[path = "../formats/green.rs"]
+mod green;
 mod oracle;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;
