@@ -29,6 +29,7 @@ pub fn cases() -> Vec<Case> {
         spindle(),
         oblique(),
         paraboloid(),
+        parametric_curve(),
         lemon(),
         prism(),
         periodic(),
@@ -239,6 +240,21 @@ fn paraboloid() -> Case {
     let lid = w.add(108, 1, &format!("0.0,0.0,1.0,{h:?},{circle},0.0,0.0,0.0,0.0"));
     w.set_status(lid, INDEPENDENT);
     open("paraboloid", &w, 2, PI / 6.0 * ((1.0 + 4.0 * h).powf(1.5) - 1.0) + PI * h)
+}
+
+/// What is between a parametric spline curve (112), y = x² from −1 to 1 in two pieces, and a line.
+fn parametric_curve() -> Case {
+    let mut w = Writer::new();
+    let cubic = |a: f64, b: f64, c: f64| [a, b, c, 0.0];
+    let pieces =
+        [cubic(-1.0, 1.0, 0.0), cubic(1.0, -2.0, 1.0), [0.0; 4], cubic(0.0, 1.0, 0.0), cubic(0.0, 0.0, 1.0), [0.0; 4]];
+    // The ends' derivatives follow.
+    let curve = w.add(112, 0, &format!("3,1,2,2,0.0,1.0,2.0,{},{}", list(&pieces.concat()), list(&[0.0; 12])));
+    let line = w.line([1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]);
+    let border = w.composite(&[curve, line]);
+    let plane = w.add(108, 1, &format!("0.0,0.0,2.0,0.0,{border},0.0,0.0,0.0,0.0"));
+    w.set_status(plane, INDEPENDENT);
+    open("parametric-curve", &w, 1, 4.0 / 3.0)
 }
 
 /// An arc turned about a chord of its circle: a lemon, closed at both poles.

@@ -12,4 +12,7 @@ mod oracle;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;
 mod solids;
+mod support;
+#[path = "../formats/table.rs"]
+mod table;
 mod writer;

@@ -13,4 +13,6 @@ mod oracle;
 mod same_faces;
 mod solids;
 mod support;
+#[path = "../formats/table.rs"]
+mod table;
 mod writer;
