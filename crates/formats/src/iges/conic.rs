@@ -113,7 +113,8 @@ mod tests {
     fn points_satisfy_the_equation() {
         let (turn, shift) = (DVec2::from_angle(0.4), DVec2::new(2.0, -1.0));
         // Along own axes: x²/9 + y²/4 = 1, x²/9 − y²/4 = 1, y² = 8 x, each from one own point to another.
-        let cases: [([f64; 4], fn(f64) -> DVec2); 3] = [
+        type Own = fn(f64) -> DVec2;
+        let cases: [([f64; 4], Own); 3] = [
             ([1.0 / 9.0, 0.25, 0.0, -1.0], |t| DVec2::new(3.0 * t.cos(), 2.0 * t.sin())),
             ([1.0 / 9.0, -0.25, 0.0, -1.0], |t| DVec2::new(-3.0 * t.cosh(), 2.0 * t.sinh())),
             ([0.0, 1.0, -8.0, 0.0], |t| DVec2::new(2.0 * t * t, 4.0 * t)),

@@ -38,6 +38,10 @@ impl Pieces {
     }
 }
 
+/// About how many points of a span a search of the nearest place looks at, and how many all searches of a loop do at most.
+const SAMPLES_A_SPAN: usize = 16;
+const MOST_SAMPLES: usize = 1 << 20;
+
 /// An entry of an edge list: its curve, and its vertices as lists and indices from 1.
 #[derive(Debug, Clone, Copy)]
 struct Edge {
@@ -190,7 +194,11 @@ pub(super) fn on_surface(shape: &Shape, plane: &[Piece], space: &[Piece], tolera
         }
         piece.curve.point(t.clamp(start, end)).distance(point)
     };
-    plane.iter().enumerate().all(|(k, piece)| {
+    // Each search samples the curves in space: of many pieces, some are asked.
+    let samples: usize = space.iter().map(|piece| SAMPLES_A_SPAN * piece.curve.breaks(piece.range).len().max(1)).sum();
+    let asked = (MOST_SAMPLES / samples.saturating_mul(PLACES.len())).max(1);
+    let step = plane.len().div_ceil(asked).max(1);
+    plane.iter().enumerate().step_by(step).all(|(k, piece)| {
         places(piece).into_iter().enumerate().all(|(i, uv)| {
             let point = shape.point(uv.truncate());
             // As many pieces in both: first those that correspond, at the same place.

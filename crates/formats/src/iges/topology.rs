@@ -68,11 +68,7 @@ impl<'g, 'f, 'b> Faces<'g, 'f, 'b> {
     fn trimmed(&self, own: Parameters, motion: Motion) -> Result<Read, Fault> {
         let sheet = Sheet::read(self.geometry, own.pointer(1)?)?;
         let has_outer = own.flag(2)?;
-        let inner = own.count(3, 1).or_else(|_| match own.whole(3)? {
-            // The outer boundary stands between the count and what it counts.
-            count if count < own.values.len().saturating_sub(4) => Ok(count),
-            count => Err(fault(own.number, format!("it counts {count} inner boundaries, which are not all there"))),
-        })?;
+        let inner = own.count(3, 1)?;
         let mut bounds = vec![];
         match own.optional_pointer(4)?.filter(|_| has_outer) {
             Some(outer) => bounds.push(self.curve_on_surface(outer, &sheet, true)?),

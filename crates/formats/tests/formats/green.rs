@@ -65,19 +65,20 @@ fn along(surface: &Surface, piece: &BezierCurve) -> DVec2 {
 
 /// The area of all faces, and the volume that they enclose.
 pub fn area_and_volume(model: &Model) -> DVec2 {
-    let mut total = DVec2::ZERO;
-    for (k, face) in model.faces().iter().enumerate() {
-        let id = FaceId(k as u32);
-        let surface = model.surface(id);
-        let [[u0, u1], [v0, v1]] = surface.domain();
-        let sum: DVec2 = match model.region(id) {
-            Some(region) => region.pieces().iter().map(|piece| along(surface, &piece.curve)).sum(),
-            None => [(u1, v0, v1), (u0, v1, v0)]
-                .map(|(u, a, b)| along(surface, &BezierCurve::line(DVec2::new(u, a), DVec2::new(u, b))))
-                .into_iter()
-                .sum(),
-        };
-        total += DVec2::new(sum.x, if face.reversed { -sum.y } else { sum.y });
-    }
-    total
+    (0..model.faces().len()).map(|k| of_face(model, k)).sum()
+}
+
+/// The area of a face, and the volume between it and the origin.
+pub fn of_face(model: &Model, k: usize) -> DVec2 {
+    let (id, face) = (FaceId(k as u32), &model.faces()[k]);
+    let surface = model.surface(id);
+    let [[u0, u1], [v0, v1]] = surface.domain();
+    let sum: DVec2 = match model.region(id) {
+        Some(region) => region.pieces().iter().map(|piece| along(surface, &piece.curve)).sum(),
+        None => [(u1, v0, v1), (u0, v1, v0)]
+            .map(|(u, a, b)| along(surface, &BezierCurve::line(DVec2::new(u, a), DVec2::new(u, b))))
+            .into_iter()
+            .sum(),
+    };
+    DVec2::new(sum.x, if face.reversed { -sum.y } else { sum.y })
 }

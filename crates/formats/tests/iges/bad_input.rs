@@ -104,7 +104,7 @@ fn a_bad_part_costs_its_face_and_is_named() {
     type Add = fn(&mut Writer, usize) -> String;
     let wrong: [(&str, Add); 14] = [
         ("there is no directory entry of this number", |_, s| format!("{s},1,0,999")),
-        ("it counts 3 inner boundaries", |_, s| format!("{s},0,3,0")),
+        ("parameter 3 counts 3 items", |_, s| format!("{s},0,3,0")),
         ("it is of type 128, where a curve on a surface (142) is needed", |_, s| format!("{s},1,0,{s}")),
         ("it has no curve", |w, s| format!("{s},1,0,{}", w.add(142, 0, "0,0,0,0,0"))),
         ("it has no outer boundary", |_, s| format!("{s},1,0,0")),
@@ -263,4 +263,24 @@ fn lost_lines_cost_what_they_hold() {
         let losses = document.map(|d| d.notes.iter().filter(|note| note.kind.is_loss()).count());
         assert!(losses.as_ref().map_or(true, |losses| 0 < *losses), "without line {}: {losses:?}", k + 1);
     }
+}
+
+/// A boundary of ten thousand pieces in (u, v) beside one in space of as many spans, which is elsewhere or not.
+#[test]
+fn boundaries_of_many_pieces_are_compared_in_time() {
+    const MANY: usize = 10_000;
+    let mut w = Writer::new();
+    let surface = square(&mut w, 0.0, "00010000");
+    let place = |k: usize| {
+        let angle = std::f64::consts::TAU * (k % MANY) as f64 / MANY as f64;
+        [0.5 + 0.4 * angle.cos(), 0.5 + 0.4 * angle.sin(), 0.0]
+    };
+    let sides: Vec<usize> = (0..MANY).map(|k| w.line(place(k), place(k + 1))).collect();
+    let plane = w.composite(&sides);
+    let points: Vec<f64> = (0..=MANY).flat_map(|k| place(k).map(|x| 10.0 * x)).collect();
+    let space = w.add(106, 12, &format!("2,{},{}", MANY + 1, list(&points)));
+    let outer = w.on_surface(surface, plane, space);
+    w.trimmed(surface, outer, &[]);
+    let document = read(&w.file()).unwrap();
+    assert_eq!(document.model.faces()[0].loops[0].trims.len(), MANY, "{:?}", document.notes);
 }

@@ -1,6 +1,7 @@
 //! The project's own files: area and volume of each are those of their closed form.
 
-use crate::cases::{Case, cases};
+use crate::cases::cases;
+use crate::closed::Case;
 use crate::common::root;
 use crate::green::area_and_volume;
 use formats::Document;

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod cases;
+mod closed;
 mod closed_forms;
 #[path = "../formats/common.rs"]
 #[allow(dead_code)]
@@ -11,6 +12,7 @@ mod green;
 mod oracle;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;
+mod sheets;
 mod solids;
 mod support;
 #[path = "../formats/table.rs"]

@@ -1,17 +1,35 @@
 //! Real files against OpenCASCADE's reading of them.
 
-use crate::common::models;
+use crate::common::{models, root};
+use crate::green::of_face;
 use crate::same_faces::{assert_same, compare};
 use scene::Model;
 
 /// Places whose side has to be compared on a file, at least so many a face.
 const SIDES_A_FACE: usize = 200;
 
+/// Relative error of an area: OpenCASCADE's own, which it is asked to keep below 1e-10, and its trims'.
+const AREA: f64 = 1e-7;
+
 #[test]
 fn real_files_are_read_as_opencascade_reads_them() {
     let Some(models) = models() else { return };
     let oracle = models.join("../oracle/neutral/D150WithGuides_wing.json");
     assert_same(&models.join("tigl/D150WithGuides_wing.igs"), &oracle, 8 * SIDES_A_FACE);
+}
+
+/// 238 faces: the area of each eighth is that which OpenCASCADE integrates, in `testdata/iges`.
+#[test]
+fn the_faces_of_a_fuselage_have_the_areas_that_opencascade_finds() {
+    let Some(models) = models() else { return };
+    let text = std::fs::read_to_string(root().join("testdata/iges/fuselage-areas.json")).expect("areas");
+    let areas: Vec<f64> = serde_json::from_str(&text).expect("a list");
+    let model = formats::read(models.join("tigl/D150WithGuides_fuselage.igs")).unwrap();
+    assert_eq!(model.faces().len(), areas.len());
+    for (k, area) in areas.into_iter().enumerate().step_by(8) {
+        let found = of_face(&model, k).x;
+        assert!((found / area - 1.0).abs() < AREA, "face {k}: {found} for {area}");
+    }
 }
 
 /// OpenCASCADE cuts curves at their corners, and this reader does not: all else is the same.
