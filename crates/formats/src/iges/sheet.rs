@@ -284,3 +284,57 @@ fn analytic(geometry: &Geometry, entity: &Entity) -> Result<Sheet, Fault> {
     };
     Ok(Sheet::bare(shape))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::inverse::Inverter;
+
+    fn sheets() -> Vec<Sheet> {
+        let frame = Frame::new(DVec3::new(1.0, 2.0, 3.0), Some(DVec3::new(1.0, 1.0, 2.0)), Some(DVec3::Y)).unwrap();
+        let revolved = |profile| Shape::Revolved { frame, profile };
+        let line = Curve::Line { origin: DVec3::new(5.0, 2.0, 3.0), direction: DVec3::new(0.2, 0.3, 1.0) };
+        let ellipse = Curve::Ellipse { frame, radii: DVec2::new(2.0, 1.0) };
+        let map = Some(DAffine2::IDENTITY);
+        let mapped = |shape| Sheet { shape, map, ends: None, remark: None };
+        let bare = [Profile::Line { radius: 2.0, slope: 0.0 }, Profile::Line { radius: 2.0, slope: -0.5 }];
+        let round = [Profile::sphere(2.0), Profile::torus(3.0, 1.0, true)];
+        let bare = bare.into_iter().chain(round).map(revolved).chain([Shape::Plane(frame)]).map(Sheet::bare);
+        let swept =
+            [revolved(Profile::Curve(line)), Shape::Extruded { curve: ellipse, vector: DVec3::new(1.0, 0.0, 3.0) }];
+        bare.chain(swept.map(mapped)).collect()
+    }
+
+    fn normal(shape: &Shape, uv: DVec2) -> DVec3 {
+        const STEP: f64 = 1e-5;
+        let d = |du: f64, dv: f64| shape.point(uv + DVec2::new(du, dv));
+        (d(STEP, 0.0) - d(-STEP, 0.0)).cross(d(0.0, STEP) - d(0.0, -STEP)).normalize()
+    }
+
+    /// Of a reflection, too: a surface that has no parameters in the file keeps the side that is out, and one that has
+    /// them keeps these.
+    #[test]
+    fn a_moved_surface_is_the_image_of_the_surface() {
+        let turn = Frame::new(DVec3::new(-3.0, 0.5, 8.0), Some(DVec3::new(0.3, -0.2, 1.0)), None).unwrap();
+        for mirror in [1.0, -1.0] {
+            let motion = Motion::new([turn.x, turn.y * mirror, turn.z], turn.origin);
+            for sheet in sheets() {
+                let moved = sheet.clone().moved(&motion).unwrap();
+                let inverter = Inverter::new(&moved.shape, 10.0);
+                for k in 0..40 {
+                    let uv = DVec2::new(0.1 + 0.07 * f64::from(k), -0.9 + 0.03 * f64::from(k));
+                    let image = motion.point(sheet.shape.point(uv));
+                    let expected = motion.vector(normal(&sheet.shape, uv));
+                    if sheet.map.is_some() {
+                        assert!(moved.shape.point(uv).distance(image) < 1e-12, "{sheet:?}");
+                        assert!(normal(&moved.shape, uv).distance(expected * mirror) < 1e-8, "{sheet:?}");
+                    } else {
+                        let found = inverter.parameters(image, None, 1e-12).uv;
+                        assert!(moved.shape.point(found).distance(image) < 1e-12, "{sheet:?}");
+                        assert!(normal(&moved.shape, found).distance(expected) < 1e-8, "{sheet:?}");
+                    }
+                }
+            }
+        }
+    }
+}
