@@ -19,6 +19,9 @@ const FACES_AN_ENTITY: usize = 4;
 /// Types of faces that name a surface.
 const FACED: [u16; 3] = [143, 144, 510];
 
+/// Forms of associations (402) that are groups; others list other things.
+const GROUPS: [i16; 4] = [1, 7, 14, 15];
+
 /// Types of bodies that are not read: primitives and sweeps, trees and assemblies of solids.
 const BODIES: [u16; 15] = [150, 152, 154, 156, 158, 160, 162, 164, 168, 180, 182, 184, 416, 420, 430];
 
@@ -90,7 +93,8 @@ impl Assembly {
 /// The faces, shells, surfaces and members that an entity is made of.
 fn parts(geometry: &Geometry, entry: &Entry) -> Result<Vec<u32>, Fault> {
     let entity = match entry.kind {
-        140 | 143 | 144 | 186 | 308 | 402 | 510 | 514 => geometry.get(entry.number)?,
+        140 | 143 | 144 | 186 | 308 | 510 | 514 => geometry.get(entry.number)?,
+        402 if GROUPS.contains(&entry.form) => geometry.get(entry.number)?,
         _ => return Ok(vec![]),
     };
     let own = entity.parameters();

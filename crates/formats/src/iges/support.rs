@@ -44,7 +44,7 @@ pub(super) const ENTITIES: &[(&str, Support)] = &[
     ("196 sphere", Exact),
     ("198 torus", Exact),
     ("308 subfigure definition", Followed),
-    ("402 group", Followed),
+    ("402 group, forms 1, 7, 14, 15", Followed),
     ("408 subfigure instance", Followed),
     ("416 external reference", LeftOut),
     ("420 network subfigure instance", LeftOut),
