@@ -1,6 +1,6 @@
 //! Mutated files for each reader, for as long as is asked: `cargo run -p fuzz -- TARGET SECONDS [SEED]`.
 //!
-//! A target is `json`, `bpt`, `step`, `3dm`, `obj`, `npz` or `shard`. Inputs begin as the project's own test data. A panic, an input that takes longer
+//! A target is `json`, `bpt`, `step`, `iges`, `3dm`, `obj`, `npz` or `shard`. Inputs begin as the project's own test data. A panic, an input that takes longer
 //! than [`PATIENCE`] and one that takes more memory than [`allowed_kib`] are failures: the input is kept in `target/fuzz/`,
 //! and the exit code is 1. The input at work is written there before it is read, so that an abort leaves it, too.
 //!
@@ -48,7 +48,7 @@ fn main() -> Result<ExitCode> {
     let (name, seconds, seed) = match &arguments[..] {
         [name, seconds] => (name, seconds, "1"),
         [name, seconds, seed] => (name, seconds, seed.as_str()),
-        _ => bail!("usage: fuzz json|bpt|step|3dm|obj|npz|shard SECONDS [SEED]"),
+        _ => bail!("usage: fuzz json|bpt|step|iges|3dm|obj|npz|shard SECONDS [SEED]"),
     };
     let time = Duration::from_secs(seconds.parse().with_context(|| format!("{seconds:?} is no number of seconds"))?);
     let seed = seed.parse().with_context(|| format!("{seed:?} is no seed"))?;
@@ -78,6 +78,14 @@ fn target(name: &str) -> Result<Target> {
             Target {
                 seeds: folders(&["step"], "step")?,
                 read: Box::new(|_, bytes| Ok(step.read(bytes, "fuzz.step").map(|_| ())?)),
+                zipped: false,
+            }
+        }
+        "iges" => {
+            let iges = formats::FORMATS.iter().find(|format| format.name() == "IGES").context("a format")?;
+            Target {
+                seeds: folders(&["iges", "iges/solids"], "igs")?,
+                read: Box::new(|_, bytes| Ok(iges.read(bytes, "fuzz.igs").map(|_| ())?)),
                 zipped: false,
             }
         }
@@ -114,7 +122,7 @@ fn target(name: &str) -> Result<Target> {
                 zipped: false,
             }
         }
-        other => bail!("{other:?} is none of json, bpt, step, 3dm, obj, npz, shard"),
+        other => bail!("{other:?} is none of json, bpt, step, iges, 3dm, obj, npz, shard"),
     })
 }
 

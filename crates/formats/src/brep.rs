@@ -22,3 +22,4 @@ pub(crate) mod path;
 pub(crate) mod rectangle;
 pub(crate) mod shape;
 pub(crate) mod source;
+pub(crate) mod total;

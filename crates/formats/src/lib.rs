@@ -10,6 +10,7 @@ mod brep;
 mod document;
 mod error;
 mod format;
+mod iges;
 pub mod json;
 mod member;
 mod obj;

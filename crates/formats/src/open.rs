@@ -4,6 +4,7 @@ use crate::bpt::Bpt;
 use crate::document::Document;
 use crate::error::{Cause, FormatError, shorten};
 use crate::format::Format;
+use crate::iges::Iges;
 use crate::json::Json;
 use crate::obj::Obj;
 use crate::place::Place;
@@ -17,7 +18,7 @@ use std::path::Path;
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// All formats. A file whose extension is none of theirs is read by the first that knows its content.
-pub static FORMATS: &[&dyn Format] = &[&Json, &Bpt, &Step, &Rhino, &Obj];
+pub static FORMATS: &[&dyn Format] = &[&Json, &Bpt, &Step, &Iges, &Rhino, &Obj];
 
 /// The start of a file that is shown to [`Format::sniff`], bytes.
 const HEAD: usize = 4096;

@@ -19,7 +19,8 @@ mod value;
 
 use crate::brep::face::make;
 use crate::brep::frame::Motion;
-use crate::brep::source::{Found, Made};
+use crate::brep::source::Made;
+use crate::brep::total::Total;
 use crate::document::{Document, Note, NoteKind};
 use crate::error::{Cause, FormatError};
 use crate::format::{Format, Support, file_name, text_head};
@@ -27,9 +28,8 @@ use crate::place::Place;
 use assembly::{Assembly, Placed, RELATIONS, REPRESENTATIONS};
 use fault::{Fault, fault};
 use geometry::Geometry;
-use nurbs::{Direction, Surface};
 use p21::Instances;
-use scene::{Face, Model};
+use scene::Model;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use units::Units;
@@ -107,7 +107,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         match reader.face(placed, *left == 0) {
             Ok(made) => {
                 total.add(placed.number, &made.found);
-                let (surface, mut face) = moved(made, placed);
+                let (surface, mut face) = made.placed(&placed.motion, placed.reversed);
                 face.surface = surfaces.len();
                 for trim in face.loops.iter_mut().flat_map(|l| &mut l.trims) {
                     let next = edges.len() as i64;
@@ -135,7 +135,8 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         place: place(&instances, fault.number),
         text: format!("left out: {}", fault.why),
     }));
-    notes.extend(total.notes(&instances, units.length.as_ref().map_or("model unit", |unit| &unit.name)));
+    let unit = units.length.as_ref().map_or("model unit", |unit| &unit.name);
+    notes.extend(total.notes(|face| place(&instances, face), unit));
     if faces.is_empty() {
         let why = faults.first().map_or_else(
             || "it shows no faces".to_owned(),
@@ -206,67 +207,5 @@ impl Reader<'_, '_> {
             self.made.insert(key, made.clone());
         }
         made
-    }
-}
-
-/// A face at its place.
-fn moved(made: Made, placed: &Placed) -> (Surface, Face) {
-    let Made { surface, mut face, .. } = made;
-    let motion = &placed.motion;
-    face.reversed ^= placed.reversed;
-    if *motion == Motion::IDENTITY {
-        return (surface, face);
-    }
-    face.reversed ^= motion.mirrors();
-    face.tolerance *= motion.factor();
-    let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
-    let points = surface.points().iter().map(|p| motion.point(*p)).collect();
-    let weights = surface.weights().map(<[f64]>::to_vec);
-    match Surface::new(u, v, points, weights) {
-        Ok(moved) => (moved, face),
-        // Too far away to be drawn: where it stands it can be.
-        Err(_) => (surface, face),
-    }
-}
-
-/// What was approximated and mended in the whole file.
-#[derive(Default)]
-struct Total {
-    faces: usize,
-    first: Option<u64>,
-    /// A face with the vertex that is farthest from its edges.
-    vertex: Option<u64>,
-    found: Found,
-}
-
-impl Total {
-    fn add(&mut self, face: u64, found: &Found) {
-        if 0 < found.projected {
-            self.faces += 1;
-            self.first.get_or_insert(face);
-        }
-        self.found.projected += found.projected;
-        self.found.error = self.found.error.max(found.error);
-        self.found.gap = self.found.gap.max(found.gap);
-        if self.found.vertex < found.vertex {
-            self.found.vertex = found.vertex;
-            self.vertex = Some(face);
-        }
-    }
-
-    fn notes(&self, instances: &Instances, unit: &str) -> impl Iterator<Item = Note> {
-        let Found { projected, error, gap, .. } = self.found;
-        let text = format!(
-            "{projected} edges of {} faces, this one the first, have no (u, v) curve on their surface: they are followed there \
-             within {error:.1e} {unit}, and are at most {gap:.1e} from it, both as measured",
-            self.faces
-        );
-        let edges = self.first.map(|face| Note { kind: NoteKind::Approximated, place: place(instances, face), text });
-        let text = format!(
-            "vertices are up to {:.1e} {unit} from their edges, at this face; gaps there are closed, above the file's tolerance",
-            self.found.vertex
-        );
-        let vertex = self.vertex.map(|face| Note { kind: NoteKind::Healed, place: place(instances, face), text });
-        edges.into_iter().chain(vertex)
     }
 }

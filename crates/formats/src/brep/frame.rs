@@ -84,6 +84,11 @@ impl Motion {
         self.linear * point + self.translation
     }
 
+    /// A difference of points, moved.
+    pub fn vector(&self, vector: DVec3) -> DVec3 {
+        self.linear * vector
+    }
+
     /// How many times as long lengths become.
     pub fn factor(&self) -> f64 {
         libm::cbrt(self.linear.determinant().abs())

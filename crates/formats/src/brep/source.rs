@@ -1,8 +1,9 @@
 //! A face as a reader hands it over, and what comes of it.
 
+use super::frame::Motion;
 use super::path::Use;
 use super::shape::Shape;
-use nurbs::{NurbsError, Surface};
+use nurbs::{Direction, NurbsError, Surface};
 use scene::Face;
 
 /// A face as a reader found it.
@@ -33,6 +34,27 @@ pub(crate) struct Made {
     /// Its `surface` is 0.
     pub face: Face,
     pub found: Found,
+}
+
+impl Made {
+    /// The surface and the face at a place; `reversed` says that what holds the face takes it the other way round.
+    pub fn placed(self, motion: &Motion, reversed: bool) -> (Surface, Face) {
+        let Self { surface, mut face, .. } = self;
+        face.reversed ^= reversed;
+        if *motion == Motion::IDENTITY {
+            return (surface, face);
+        }
+        face.reversed ^= motion.mirrors();
+        face.tolerance *= motion.factor();
+        let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
+        let points = surface.points().iter().map(|p| motion.point(*p)).collect();
+        let weights = surface.weights().map(<[f64]>::to_vec);
+        match Surface::new(u, v, points, weights) {
+            Ok(moved) => (moved, face),
+            // Too far away to be drawn: where it stands it can be.
+            Err(_) => (surface, face),
+        }
+    }
 }
 
 /// What was found by approximation.

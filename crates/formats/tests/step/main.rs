@@ -6,7 +6,13 @@ mod closed_forms;
 #[path = "../formats/common.rs"]
 #[allow(dead_code)]
 mod common;
+#[path = "../formats/green.rs"]
+mod green;
 mod oracle;
+#[path = "../formats/same_faces.rs"]
+mod same_faces;
 mod solids;
 mod support;
+#[path = "../formats/table.rs"]
+mod table;
 mod writer;

@@ -2,8 +2,8 @@
 //!
 //! `tests/oracle/step_solids.py` makes them. A few stand in `testdata/step/solids`; `STEP_SOLIDS` names a folder of more.
 
-use crate::closed_forms::area_and_volume;
 use crate::common::root;
+use crate::green::area_and_volume;
 use glam::DVec2;
 use serde_json::Value;
 use std::path::Path;

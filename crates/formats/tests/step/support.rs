@@ -1,27 +1,12 @@
 //! The table of support in the docs, against what the code lists and what a file with each kind shows.
 
-use crate::common::root;
+use crate::table::assert_table_is_listed;
 use formats::{FORMATS, Support};
 use std::collections::BTreeMap;
 
 #[test]
 fn the_table_of_support_says_what_the_code_lists() {
-    let text = std::fs::read_to_string(root().join("docs/formats.md")).expect("the table");
-    let rows: Vec<Vec<&str>> = text
-        .lines()
-        .filter(|line| line.starts_with("| "))
-        .skip(2)
-        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
-        .collect();
-    let word = |support: &Support| match support {
-        Support::Exact => "exact",
-        Support::Approximated => "approximated",
-        Support::Followed => "followed",
-        Support::LeftOut => "left out",
-    };
-    let step = FORMATS.iter().find(|format| format.name() == "STEP").expect("it is in the list");
-    let listed: Vec<Vec<&str>> = step.entities().iter().map(|(name, support)| vec![*name, word(support)]).collect();
-    assert_eq!(rows, listed);
+    assert_table_is_listed("STEP");
 }
 
 /// Each surface that the table calls exact draws a face of its own, and each that it leaves out is noted.
