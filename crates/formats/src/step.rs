@@ -13,6 +13,7 @@ mod geometry;
 mod p21;
 mod spline;
 mod support;
+mod text;
 mod topology;
 mod units;
 mod value;
