@@ -8,6 +8,7 @@ use crate::brep::curve::Curve;
 use crate::brep::frame::{Frame, Motion};
 use crate::brep::path::Piece;
 use crate::brep::shape::{Profile, Shape};
+use crate::document::SurfaceKind;
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, NurbsError, SpaceCurve, Surface};
 use std::cell::Cell;
@@ -21,6 +22,31 @@ const MOST_PIECES: usize = 1 << 16;
 /// Keywords of curves that are made of segments.
 const COMPOSITES: [&str; 4] =
     ["COMPOSITE_CURVE", "COMPOSITE_CURVE_ON_SURFACE", "BOUNDARY_CURVE", "OUTER_BOUNDARY_CURVE"];
+
+/// What kind the surface of a face is, or a surface itself: that which is trimmed, where it is a trimmed one.
+pub(super) fn kind(instances: &Instances, number: u64) -> SurfaceKind {
+    let mut number = number;
+    for _ in 0..DEEPEST {
+        let at = match instances.keyword(number) {
+            "ADVANCED_FACE" | "FACE_SURFACE" => 2,
+            "RECTANGULAR_TRIMMED_SURFACE" | "CURVE_BOUNDED_SURFACE" | "SURFACE_REPLICA" => 1,
+            "PLANE" => return SurfaceKind::Plane,
+            "CYLINDRICAL_SURFACE" => return SurfaceKind::Cylinder,
+            "CONICAL_SURFACE" => return SurfaceKind::Cone,
+            "SPHERICAL_SURFACE" => return SurfaceKind::Sphere,
+            "TOROIDAL_SURFACE" | "DEGENERATE_TOROIDAL_SURFACE" => return SurfaceKind::Torus,
+            "SURFACE_OF_REVOLUTION" => return SurfaceKind::Revolution,
+            "SURFACE_OF_LINEAR_EXTRUSION" => return SurfaceKind::Extrusion,
+            "OFFSET_SURFACE" => return SurfaceKind::Offset,
+            _ => break,
+        };
+        match instances.get(number).and_then(|entity| entity.parameters().reference(at).ok()) {
+            Some(basis) => number = basis,
+            None => break,
+        }
+    }
+    SurfaceKind::Spline
+}
 
 /// The geometry of a file, in the units of one representation context.
 #[derive(Debug, Clone, Copy)]

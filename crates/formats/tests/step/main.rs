@@ -1,5 +1,6 @@
 //! STEP files through the public interface.
 
+mod attributes;
 mod bad_input;
 mod cases;
 mod closed_forms;
