@@ -136,6 +136,16 @@ impl NoteKind {
     }
 }
 
+impl fmt::Display for NoteKind {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(match self {
+            Self::LeftOut => "left out",
+            Self::Healed => "healed",
+            Self::Approximated => "approximated",
+        })
+    }
+}
+
 /// Something to be known of how a file was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {

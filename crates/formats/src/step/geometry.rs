@@ -189,6 +189,10 @@ impl<'b> Geometry<'_, 'b> {
             "TRIMMED_CURVE" | "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => {
                 self.curve_within(own.reference(1)?, depth + 1)
             }
+            "CURVE_REPLICA" => {
+                let curve = self.curve_within(own.reference(1)?, depth + 1)?;
+                curve.moved(&self.motion(own.reference(2)?)?).map_err(wrong)
+            }
             _ if entity.is("BOUNDED_SURFACE_CURVE") || entity.is("SURFACE_CURVE") => {
                 let part = entity.part("SURFACE_CURVE").ok_or_else(|| fault(number, "it has no curve in space"))?;
                 self.curve_within(part.reference(0)?, depth + 1)
@@ -212,7 +216,7 @@ impl<'b> Geometry<'_, 'b> {
     pub fn is_composite(&self, number: u64) -> bool {
         let Some(entity) = self.instances.get(number) else { return false };
         match entity.keyword() {
-            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => {
+            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" | "CURVE_REPLICA" => {
                 let inner = entity.parameters().optional_reference(1);
                 inner.is_some_and(|inner| COMPOSITES.contains(&self.instances.keyword(inner)))
             }
@@ -269,6 +273,14 @@ impl<'b> Geometry<'_, 'b> {
                 Ok(vec![(Piece { curve, range }, reversed)])
             }
             "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => self.pieces_within(own.reference(1)?, depth + 1),
+            "CURVE_REPLICA" => {
+                let motion = self.motion(own.reference(2)?)?;
+                let moved = |(piece, reversed): (Piece, bool)| {
+                    let curve = piece.curve.moved(&motion).map_err(|cause| fault(number, cause.to_string()))?;
+                    Ok((Piece { curve, ..piece }, reversed))
+                };
+                self.pieces_within(own.reference(1)?, depth + 1)?.into_iter().map(moved).collect()
+            }
             _ => {
                 let curve = self.curve_within(number, depth)?;
                 let range = curve.domain().or(curve.period().map(|period| [0.0, period]));
@@ -326,6 +338,15 @@ impl<'b> Geometry<'_, 'b> {
                 let basis = self.surface_within(own.reference(1)?, depth + 1)?;
                 let offset = basis.offset(own.number(2)?);
                 offset.ok_or_else(|| fault(number, "the offset of a surface of this kind is not read"))
+            }
+            "SURFACE_REPLICA" => {
+                let parent = own.reference(1)?;
+                if ["RECTANGULAR_TRIMMED_SURFACE", "CURVE_BOUNDED_SURFACE"].contains(&self.instances.keyword(parent)) {
+                    return Err(fault(number, "the replica of a trimmed surface is not read"));
+                }
+                let moved = self.surface_within(parent, depth + 1)?.moved(&self.motion(own.reference(2)?)?);
+                let moved = moved.map_err(wrong)?;
+                moved.ok_or_else(|| fault(number, "the mirrored replica of a surface of this kind is not read"))
             }
             "RECTANGULAR_TRIMMED_SURFACE" | "CURVE_BOUNDED_SURFACE" => {
                 self.surface_within(own.reference(1)?, depth + 1)

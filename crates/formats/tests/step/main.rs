@@ -8,6 +8,7 @@ mod closed_forms;
 #[allow(dead_code)]
 mod common;
 mod oracle;
+mod replicas;
 mod solids;
 mod support;
 mod writer;
