@@ -1,44 +1,27 @@
-//! `info`: what a model consists of.
+//! One model in detail: each face with its degrees, control points, knots and box.
 
-mod approximation;
-
-use crate::format::Format;
-use crate::view::ModelArgs;
-use crate::{number, say, terminal};
-use anyhow::Result;
-use approximation::{ApproximationInfo, approximated};
-use clap::Args;
+use super::approximation::ApproximationInfo;
+use super::overview::{Overview, degenerate_edges};
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use formats::{Document, Note};
-use nurbs::{Direction, Hull, KnotVector, Surface};
-use scene::{FaceId, Model, escaped};
+use nurbs::{Direction, Hull, KnotVector};
+use scene::{FaceId, escaped};
 use serde::Serialize;
-
-/// A side counts as collapsed to a point when its control points stay within this share of the surface's box.
-const COLLAPSED_SHARE: f64 = 1e-12;
 
 /// Rows that the table prints before it only counts the rest; JSON always lists all.
 const TABLE_ROWS: usize = 64;
 
-/// Show what a model consists of: faces, degrees, control points, knots, boxes, degenerate edges
-#[derive(Debug, Args)]
-pub struct InfoArgs {
-    #[command(flatten)]
-    model: ModelArgs,
-    /// List the built-in models instead
-    #[arg(long)]
-    list: bool,
-    /// Say how many bicubic patches stand for the model within this distance, model units, and how far off they are at most
-    #[arg(long, value_name = "TOL", value_parser = number::positive, allow_hyphen_values = true)]
-    approximate: Option<f64>,
-    /// For people or for machines
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
-}
-
 #[derive(Serialize)]
 struct FaceInfo {
     face: usize,
+    /// Its own name, or that of what it is a part of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    /// In sRGB: `#rrggbb`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    colour: Option<String>,
+    /// What its surface is in the file.
+    kind: String,
     /// Its number in the file: another one where faces before it were left out or cut.
     number_in_file: usize,
     surface: usize,
@@ -64,106 +47,31 @@ struct KnotInfo {
     interior: Vec<(f64, usize)>,
 }
 
+/// One model.
 #[derive(Serialize)]
-struct ModelInfo {
+pub struct ModelInfo {
     model: String,
-    hash: String,
-    /// The unit of all lengths; absent where the file names none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    unit: Option<String>,
+    #[serde(flatten)]
+    overview: Overview,
     /// What of the file is not drawn as it stands there, and what was approximated.
     notes: Vec<String>,
     faces: Vec<FaceInfo>,
     hull: [[f64; 3]; 2],
-    bezier_patches: usize,
-    /// Absent where no face has loops.
-    trimming: Option<TrimmingInfo>,
     /// Absent where none was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     approximation: Option<ApproximationInfo>,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Where the model cannot be read.
-pub fn run(args: &InfoArgs) -> Result<()> {
-    if args.list {
-        for (name, description) in models::all() {
-            say!("{name:20} {description}")?;
-        }
-        return Ok(());
-    }
-    let document = args.model.document()?;
+/// All of a model.
+pub fn describe(document: &Document, approximation: Option<ApproximationInfo>) -> ModelInfo {
     let model = &document.model;
-    let approximation = args.approximate.map(|tolerance| approximated(model, tolerance)).transpose()?;
-    match args.format {
-        Format::Json => terminal::json_lines(&ModelInfo { approximation, ..describe(&document) })?,
-        Format::Table => {
-            say!("{}", text(&document))?;
-            if let Some(ApproximationInfo { tolerance, patches, bicubic_patches, bound, .. }) = approximation {
-                say!(
-                    "within {tolerance:e}: {bicubic_patches} bicubic patches stand for {patches} Bézier patches, at most {bound:.3e} off"
-                )?;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The trimming of a model in a few numbers.
-#[derive(Serialize)]
-struct TrimmingInfo {
-    /// Faces with loops that cut something away.
-    trimmed_faces: usize,
-    trim_curves: usize,
-    /// The longest gap inside a loop that was closed, model units.
-    largest_gap_in_a_loop: f64,
-    shared_edges: usize,
-    /// Where the curves of a shared edge run farthest apart.
-    widest_edge: Option<EdgeInfo>,
-}
-
-#[derive(Serialize)]
-struct EdgeInfo {
-    edge: i64,
-    faces: Vec<u32>,
-    /// Model units.
-    gap: f64,
-}
-
-fn trimming(model: &Model) -> TrimmingInfo {
-    let regions = || (0..model.faces().len()).filter_map(|id| model.region(FaceId(id as u32)));
-    let edges = model.shared_edges();
-    let widest = edges.iter().max_by(|a, b| a.gap.total_cmp(&b.gap));
-    TrimmingInfo {
-        trimmed_faces: regions().filter(|region| !region.is_whole()).count(),
-        trim_curves: model.faces().iter().flat_map(|face| &face.loops).map(|boundary| boundary.trims.len()).sum(),
-        largest_gap_in_a_loop: regions().map(|region| region.largest_gap()).fold(0.0, f64::max),
-        shared_edges: edges.len(),
-        widest_edge: widest.map(|edge| EdgeInfo {
-            edge: edge.edge,
-            faces: edge.faces.iter().map(|face| face.0).collect(),
-            gap: edge.gap,
-        }),
-    }
-}
-
-fn describe(document: &Document) -> ModelInfo {
-    let model = &document.model;
-    let sides: Vec<Vec<&str>> = model.surfaces().iter().map(degenerate_edges).collect();
-    let faces: Vec<FaceInfo> = (0..model.faces().len()).map(|id| face(model, id, &sides)).collect();
-    let bezier_patches = faces.iter().map(|f| f.spans[0] * f.spans[1]).sum();
     ModelInfo {
         model: model.name().to_owned(),
-        hash: model.hash(),
-        unit: document.unit.as_ref().map(|unit| unit.name.clone()),
+        overview: Overview::of(document),
         notes: document.notes.iter().map(Note::to_string).collect(),
-        faces,
+        faces: (0..model.faces().len()).map(|id| face(document, id)).collect(),
         hull: corners(model.hull()),
-        bezier_patches,
-        trimming: model.is_trimmed().then(|| trimming(model)),
-        approximation: None,
+        approximation,
     }
 }
 
@@ -171,12 +79,16 @@ fn corners(hull: Hull) -> [[f64; 3]; 2] {
     [hull.min.to_array(), hull.max.to_array()]
 }
 
-fn face(model: &Model, id: usize, sides: &[Vec<&'static str>]) -> FaceInfo {
+fn face(document: &Document, id: usize) -> FaceInfo {
+    let (model, said) = (&document.model, &document.attributes[id]);
     let face = &model.faces()[id];
     let surface = model.surface(FaceId(id as u32));
     let [ku, kv] = [Direction::U, Direction::V].map(|d| surface.knots(d));
     FaceInfo {
         face: id,
+        name: said.name.as_ref().map(|name| name.to_string()),
+        colour: said.colour.map(|colour| colour.to_string()),
+        kind: said.surface.to_string(),
         number_in_file: model.number_in_file(FaceId(id as u32)),
         surface: face.surface,
         degree: surface.degree(),
@@ -187,7 +99,7 @@ fn face(model: &Model, id: usize, sides: &[Vec<&'static str>]) -> FaceInfo {
         knots_u: knots(ku),
         knots_v: knots(kv),
         hull: corners(surface.hull()),
-        degenerate_edges: sides[face.surface].clone(),
+        degenerate_edges: degenerate_edges(surface),
         trim_loops: face.loops.len(),
     }
 }
@@ -203,48 +115,26 @@ fn knots(knots: &KnotVector) -> KnotInfo {
     }
 }
 
-/// The sides whose Bézier control points all coincide.
-fn degenerate_edges(surface: &Surface) -> Vec<&'static str> {
-    let patches = surface.bezier_patches();
-    let [[u0, u1], [v0, v1]] = surface.domain();
-    let [p, q] = surface.degree();
-    let least = surface.hull().diagonal() * COLLAPSED_SHARE;
-    let collapsed = |direction: Direction, end: f64, row: usize, side: usize| {
-        let points = patches.iter().filter(|patch| patch.domain[direction as usize][side] == end).flat_map(|patch| {
-            patch.control.iter().enumerate().filter_map(move |(index, c)| {
-                let on_side = if direction == Direction::U { index / (q + 1) == row } else { index % (q + 1) == row };
-                on_side.then(|| c.truncate() / c.w)
-            })
-        });
-        Hull::of(points).diagonal() <= least + 1e-15
-    };
-    let sides = [
-        ("u0", collapsed(Direction::U, u0, 0, 0)),
-        ("u1", collapsed(Direction::U, u1, p, 1)),
-        ("v0", collapsed(Direction::V, v0, 0, 0)),
-        ("v1", collapsed(Direction::V, v1, q, 1)),
-    ];
-    sides.into_iter().filter_map(|(name, is)| is.then_some(name)).collect()
-}
-
 /// The model for people, in lines.
 pub fn text(document: &Document) -> String {
-    let info = describe(document);
+    let info = describe(document, None);
     let mut lines = vec![];
     let point = |p: [f64; 3]| format!("({})", p.map(|x| significant(x, size_of(info.hull))).join(", "));
+    let patches = info.overview.bezier_patches;
     lines.push(format!(
-        "{}: {} faces, {} Bézier patches, hash {}",
+        "{}: {} faces, {patches} Bézier patches, hash {}",
         escaped(&info.model),
         info.faces.len(),
-        info.bezier_patches,
-        info.hash
+        info.overview.hash
     ));
-    let unit = info.unit.as_ref().map_or(String::new(), |unit| format!(", in units of one {}", escaped(unit)));
+    let unit = info.overview.unit.as_ref().map_or(String::new(), |unit| format!(", in units of one {}", escaped(unit)));
     lines.push(format!("box {} to {}{unit}", point(info.hull[0]), point(info.hull[1])));
+    lines.extend(info.overview.lines());
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([
         "face",
+        "surface",
         "degree",
         "control points",
         "knots in u",
@@ -260,8 +150,11 @@ pub fn text(document: &Document) -> String {
         let is_renumbered = f.face != f.number_in_file;
         let face =
             if is_renumbered { format!("{} ({} in the file)", f.face, f.number_in_file) } else { f.face.to_string() };
+        let said: Vec<&str> = [&f.name, &f.colour].into_iter().flatten().map(String::as_str).collect();
+        let face = if said.is_empty() { face } else { format!("{face}\n{}", escaped(&said.join(", "))) };
         table.add_row([
             face,
+            f.kind.clone(),
             format!("{} × {}", f.degree[0], f.degree[1]),
             format!("{} × {}", f.control_points[0], f.control_points[1]),
             knot_text(&f.knots_u),
@@ -275,22 +168,6 @@ pub fn text(document: &Document) -> String {
     lines.push(table.to_string());
     if info.faces.len() > TABLE_ROWS {
         lines.push(format!("… and {} more (--format json lists all)", info.faces.len() - TABLE_ROWS));
-    }
-    if let Some(t) = &info.trimming {
-        lines.push(format!(
-            "{} trimmed faces, {} trim curves; largest gap closed in a loop {:.1e}",
-            t.trimmed_faces, t.trim_curves, t.largest_gap_in_a_loop
-        ));
-        if let Some(widest) = &t.widest_edge {
-            let faces: Vec<String> = widest.faces.iter().map(u32::to_string).collect();
-            lines.push(format!(
-                "{} shared edges; the curves of edge {}, faces {}, run farthest apart: {:.1e}",
-                t.shared_edges,
-                widest.edge,
-                faces.join(" and "),
-                widest.gap
-            ));
-        }
     }
     lines.join("\n")
 }
