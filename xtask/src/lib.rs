@@ -21,6 +21,7 @@ pub mod masks;
 pub mod mutants;
 pub mod number;
 pub mod output;
+pub mod overlay;
 pub mod pixel;
 pub mod render;
 pub mod scene;

@@ -137,11 +137,6 @@ impl<'m> Border<'m> {
         border
     }
 
-    /// Points along the border, eight chords a piece: for a picture of it.
-    pub fn samples(&self) -> &[DVec3] {
-        &self.samples
-    }
-
     /// First and last point.
     pub fn ends(&self) -> [DVec3; 2] {
         [self.samples[0], self.samples[self.samples.len() - 1]]

@@ -185,3 +185,18 @@ fn the_two_sides_of_a_seam_stay_two_borders() {
     assert_eq!((a.face, a.face), (b.face, 0));
     assert!((a.length - b.length).abs() <= 1e-12 * a.length && a.border != b.border, "{:?}", seam.borders);
 }
+
+/// 0.005 inches are 0.127 mm, and 0.005 mm are class A.
+#[test]
+fn classes_are_in_millimetres_whatever_the_unit() {
+    let surfaces = vec![sheet(DVec3::ZERO, DVec3::X, DVec3::Y), sheet(1.005 * DVec3::X, DVec3::X, DVec3::Y)];
+    let model = Model::of_surfaces("sheets", surfaces).expect("surfaces");
+    let class = |millimetres: f64| {
+        let limits = Class::A.limits().in_units_of(millimetres);
+        let found = report(&model, Settings { millimetres, reach: 0.01, ..Settings::new(limits, &model) });
+        (found.class, found.verdict)
+    };
+    assert_eq!(class(1.0), (Some(Class::A), Verdict::Pass));
+    assert_eq!(class(3.0), (Some(Class::B), Verdict::Fail));
+    assert_eq!(class(25.4), (None, Verdict::Fail));
+}

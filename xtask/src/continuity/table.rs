@@ -60,8 +60,8 @@ pub fn settings(report: &Report) -> Vec<String> {
     };
     vec![
         format!(
-            "limits: gap ≤ {}, angle ≤ {}°, curvature {curvature}; flat below {:.2e}",
-            limits.gap, limits.angle_deg, report.settings.flat
+            "limits: gap ≤ {} (a unit is {} mm), angle ≤ {}°, curvature {curvature}; flat below {:.2e}",
+            limits.gap, report.settings.millimetres, limits.angle_deg, report.settings.flat
         ),
         format!("neighbours: {neighbours}"),
     ]
