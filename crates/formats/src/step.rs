@@ -23,7 +23,7 @@ mod value;
 use crate::brep::face::make;
 use crate::brep::frame::Motion;
 use crate::brep::source::{Found, Made};
-use crate::document::{Attributes, Document, Note, NoteKind};
+use crate::document::{Attributes, Document, Note, NoteKind, SurfaceKind};
 use crate::error::{Cause, FormatError};
 use crate::format::{Format, Support, file_name, text_head};
 use crate::place::Place;
@@ -94,6 +94,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     }
     let (mut surfaces, mut faces, mut attributes, mut total) = (vec![], vec![], vec![], Total::default());
     let mut edges: BTreeMap<(usize, i64), i64> = BTreeMap::new();
+    let mut kinds: BTreeMap<u64, SurfaceKind> = BTreeMap::new();
     let mut faults = std::mem::take(&mut assembly.faults);
     for placed in &assembly.placed {
         let left = uses.get_mut(&(placed.number, placed.context)).expect("each was counted");
@@ -108,7 +109,8 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
                     trim.edge = trim.edge.map(|edge| *edges.entry((placed.instance, edge)).or_insert(next));
                 }
                 surfaces.push(surface);
-                let surface = geometry::kind(&instances, placed.number);
+                let kind = || geometry::kind(&instances, placed.number);
+                let surface = *kinds.entry(placed.number).or_insert_with(kind);
                 attributes.push(Attributes { surface, ..placed.attributes.clone() });
                 faces.push((usize::try_from(placed.number).unwrap_or(usize::MAX), face));
             }

@@ -7,7 +7,7 @@
 use super::p21::Instances;
 use super::value::{Entity, Value};
 use crate::document::Colour;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Keywords of what is read here.
 pub(super) const STYLES: [&str; 4] =
@@ -66,10 +66,13 @@ impl Styles {
                 }
             }
         }
+        // Each once: a few bytes may name a long layer again and again.
+        let mut named = BTreeSet::new();
         for number in &of["INVISIBILITY"] {
             let items = instances.get(*number).and_then(|entity| entity.parameters().references(0).ok());
-            items.unwrap_or_default().into_iter().for_each(|item| styles.hide(instances, item));
+            named.extend(items.unwrap_or_default());
         }
+        named.into_iter().for_each(|item| styles.hide(instances, item));
         styles
     }
 

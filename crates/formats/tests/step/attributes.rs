@@ -133,3 +133,20 @@ fn styles_in_themselves_and_of_curves_colour_no_face() {
     let document = read(&finished(&mut w, model));
     assert!(document.attributes.iter().all(|said| said.colour.is_none()));
 }
+
+/// 40,000 times the same layer of 40,000 faces, and a face with 100,000 words placed 2,000 times: what is looked up is looked up once.
+#[test]
+fn layers_and_labels_that_are_named_again_and_again_cost_no_time() {
+    let mut w = Writer::new("AUTOMOTIVE_DESIGN");
+    let ([low, _], _, model) = discs(&mut w, [&"word ".repeat(20_000), "high"]);
+    let layer = w.add(format_args!("PRESENTATION_LAYER_ASSIGNMENT('far','',{})", list(&vec![1; 40_000])));
+    w.add(format_args!("INVISIBILITY({})", list(&vec![layer; 40_000])));
+    let context = w.context(Units::MillimetreRadian);
+    let items = vec![model; 2_000];
+    w.add(format_args!("MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',{},#{context})", list(&items)));
+    let started = std::time::Instant::now();
+    let document = read(&w.file());
+    assert!(started.elapsed().as_secs_f64() < 20.0, "{:?}", started.elapsed());
+    let [first, last] = [0, 2].map(|k| document.attributes[k].name.clone().expect("a name"));
+    assert!(std::sync::Arc::ptr_eq(&first, &last), "one text for all places of #{low}");
+}
