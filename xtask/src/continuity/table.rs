@@ -52,6 +52,11 @@ pub fn settings(report: &Report) -> Vec<String> {
     let curvature = limits.curvature.map_or("not judged".to_owned(), |limit| format!("≤ {limit}"));
     let by = report.edges.iter().filter(|edge| edge.edge.is_some()).count();
     let matched = report.edges.len() - by;
+    let millimetres = report.settings.millimetres;
+    let gap = match limits.gap {
+        gap if millimetres == 1.0 => gap.to_string(),
+        gap => format!("{gap:.4e} (of {millimetres} mm: {:.4e} mm)", gap * millimetres),
+    };
     let matching = format!("by matching borders within {:.3e}", report.settings.reach);
     let neighbours = match (by, matched) {
         (_, 0) => format!("all {by} edges by their numbers in the file"),
@@ -60,8 +65,8 @@ pub fn settings(report: &Report) -> Vec<String> {
     };
     vec![
         format!(
-            "limits: gap ≤ {} (a unit is {} mm), angle ≤ {}°, curvature {curvature}; flat below {:.2e}",
-            limits.gap, report.settings.millimetres, limits.angle_deg, report.settings.flat
+            "limits: gap ≤ {gap}, angle ≤ {}°, curvature {curvature}; flat below {:.2e}",
+            limits.angle_deg, report.settings.flat
         ),
         format!("neighbours: {neighbours}"),
     ]
