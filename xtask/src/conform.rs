@@ -6,9 +6,11 @@ pub mod corpus;
 pub mod html;
 pub mod junit;
 pub mod merge;
+pub mod own;
 pub mod pictures;
 pub mod report;
 pub mod run;
+pub mod shard;
 pub mod table;
 pub mod wrong;
 
@@ -16,8 +18,10 @@ use crate::terminal;
 use answer::{OutputArgs, claim, finish};
 use anyhow::Result;
 use clap::{Args, Subcommand};
-use corpus::{Shard, Suite};
+use corpus::Suite;
+use own::OwnArgs;
 use run::{Adapter, Gpu, Plans, absent};
+use shard::Shard;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -26,7 +30,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Renders each scene of a portable corpus by the ray caster, the CPU rasterizer and the GPU, compares all pairs, and
 /// writes report.html, report.json and junit.xml. A run that is cut short leaves what it measured.
 ///
-/// Exit code 0: all agree; 1: something differs; 2: something could not run or is missing.
+/// With --models it runs model files instead. One that cannot be read is a case with its error, and the others go on.
+///
+/// Exit code 0: all agree; 1: something differs; 2: something could not run, could not be read or is missing.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub struct ConformArgs {
@@ -55,6 +61,8 @@ pub struct RunArgs {
     #[arg(long, value_name = "K/N", default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]
+    models: OwnArgs,
+    #[command(flatten)]
     output: OutputArgs,
 }
 
@@ -66,8 +74,8 @@ pub fn run(args: &ConformArgs) -> Result<ExitCode> {
     if let Some(ConformCommand::Merge(args)) = &args.command {
         return merge::run(args);
     }
-    let RunArgs { adapter, suite, shard, output } = &args.run;
-    let plans = Plans { suite: *suite, scenes: suite.scenes(), shard: *shard };
+    let RunArgs { adapter, suite, shard, models, output } = &args.run;
+    let plans = Plans { suite: *suite, scenes: models.scenes(*suite), shard: *shard };
     let (mut adapters, absent) = open(adapter.as_deref());
     let subjects = adapters.iter().map(|adapter| adapter.subject()).chain(absent).collect();
     let mut report = plans.report(subjects);

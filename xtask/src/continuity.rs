@@ -1,6 +1,7 @@
 //! `continuity`: gap, angle and curvature along every edge that faces share, each with a proven bound.
 
 mod html;
+mod picture;
 mod table;
 
 use crate::view::ModelArgs;
@@ -19,7 +20,7 @@ use std::process::ExitCode;
 pub struct ContinuityArgs {
     #[command(flatten)]
     model: ModelArgs,
-    /// Limits of a class: A 0.01 and 0.1 degrees, B 0.02 and 0.2, C 0.05 and 0.5; lengths in the model's units, taken for mm
+    /// Limits of a class: A 0.01 and 0.1 degrees, B 0.02 and 0.2, C 0.05 and 0.5; lengths in mm, which a model without units is taken for
     #[arg(long, value_enum, default_value_t)]
     class: ClassName,
     /// The greatest gap, model units, instead of the class's
@@ -37,6 +38,9 @@ pub struct ContinuityArgs {
     /// How to answer
     #[arg(long, value_enum, default_value_t)]
     format: PageFormat,
+    /// Write a picture, too: isophotes and zebra side by side, with the edges that are seen by their class
+    #[arg(long, value_name = "X.png")]
+    overlay: Option<PathBuf>,
     /// Write to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -70,13 +74,14 @@ enum PageFormat {
 }
 
 impl ContinuityArgs {
-    fn limits(&self) -> Limits {
+    /// The limits, in units of which each is so many millimetres.
+    fn limits(&self, millimetres: f64) -> Limits {
         let class = match self.class {
             ClassName::A => Class::A,
             ClassName::B => Class::B,
             ClassName::C => Class::C,
         };
-        let Limits { gap, angle_deg, .. } = class.limits();
+        let Limits { gap, angle_deg, .. } = class.limits().in_units_of(millimetres);
         Limits { gap: self.gap.unwrap_or(gap), angle_deg: self.angle.unwrap_or(angle_deg), curvature: self.curvature }
     }
 }
@@ -86,14 +91,18 @@ impl ContinuityArgs {
 /// # Errors
 /// Where input is bad or the file cannot be written.
 pub fn run(args: &ContinuityArgs) -> Result<ExitCode> {
-    let model = args.model.open()?;
-    let mut settings = Settings::new(args.limits(), &model);
+    let document = args.model.document()?;
+    let (model, millimetres) = (document.model, document.unit.map_or(1.0, |unit| unit.millimetres));
+    let mut settings = Settings { millimetres, ..Settings::new(args.limits(millimetres), &model) };
     settings.reach = args.reach.unwrap_or(settings.reach);
     let found = report(&model, settings);
+    if let Some(path) = &args.overlay {
+        picture::pair(&found, &model)?.write_png(path)?;
+    }
     let text = match args.format {
         PageFormat::Table => table::text(&found),
         PageFormat::Json => serde_json::to_string_pretty(&found)?,
-        PageFormat::Html => html::page(&found, &model),
+        PageFormat::Html => html::page(&found, &picture::pair(&found, &model)?)?,
     };
     match (&args.out, args.format) {
         (Some(path), _) => output::write(path, (text + "\n").as_bytes())?,

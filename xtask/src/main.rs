@@ -54,7 +54,7 @@ fn main() -> ExitCode {
         Command::Scene(args) => done(scene::run(&args)),
         Command::Eval(args) => done(eval::run(&args)),
         Command::Pixel(args) => pixel::run(&args),
-        Command::Info(args) => done(info::run(&args)),
+        Command::Info(args) => info::run(&args),
         Command::Kanai(args) => done(kanai::run(&args)),
         Command::Geiger(args) => done(geiger::run(&args)),
         Command::Mutants(args) => mutants::run(&args),

@@ -3,12 +3,15 @@
 use crate::antialias::Antialias;
 use crate::compare::{DrawingArgs, Shade};
 use crate::masks::MaskReport;
+use crate::overlay::Overlay;
 use crate::say;
 use crate::stage::{Plan, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
+use continuity::{Class, Settings, report};
+use formats::Document;
 use gbuffer::{GBuffer, Picture};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
@@ -40,9 +43,20 @@ pub struct RenderArgs {
     /// its sample in its camera, so that `compare` judges it by itself
     #[arg(long, value_name = "X.npz")]
     gbuffer: Option<PathBuf>,
+    /// Draw the edges that faces share over the picture, by their class: A green, B blue, C orange, undecided purple, none red,
+    /// free ones grey
+    #[arg(long, value_enum)]
+    overlay: Option<OverlayKind>,
     /// Put the legend of a curvature map beside the picture
     #[arg(long)]
     legend: bool,
+}
+
+/// What is drawn over a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum OverlayKind {
+    /// What `continuity` says of the edges
+    Continuity,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -60,7 +74,7 @@ enum With {
 /// # Errors
 /// Where input is bad, there is no adapter, or a file cannot be written.
 pub fn run(args: &RenderArgs) -> Result<()> {
-    let model = args.model.open()?;
+    let Document { model, unit, .. } = args.model.document()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let count = args.antialias.pattern().positions().len();
@@ -68,6 +82,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let shading = args.shade.shading();
     let shows = args.out.is_some() || (args.gbuffer.is_none() && terminal::is_terminal());
     let bar = (count > 1).then(|| terminal::progress("samples", count));
+    let overlay = args.overlay.filter(|_| shows).map(|OverlayKind::Continuity| {
+        let millimetres = unit.as_ref().map_or(1.0, |unit| unit.millimetres);
+        let limits = Class::A.limits().in_units_of(millimetres);
+        Overlay::of(&report(&model, Settings { millimetres, ..Settings::new(limits, &model) }))
+    });
     let (mut covered, mut open, mut pictures) = (0, 0, vec![]);
     each_sample(args, &model, camera, viewport, |camera, buffer| {
         if let Some(path) = paths.as_mut().and_then(Iterator::next) {
@@ -77,7 +96,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         open += buffer.undecided();
         if shows {
             let picture = buffer.shaded(&shading, &model, camera)?;
-            pictures.push(if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture });
+            let picture = if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture };
+            pictures.push(match &overlay {
+                Some(overlay) => overlay.drawn(&picture, &buffer, camera)?,
+                None => picture,
+            });
         }
         bar.iter().for_each(|bar| bar.inc(1));
         Ok(())

@@ -78,7 +78,7 @@ impl ModelArgs {
         if PRINTED_NOTES < document.notes.len() {
             eprintln!("note: {}: and {} more", escaped(&self.model), document.notes.len() - PRINTED_NOTES);
         }
-        if self.strict && document.notes.iter().any(|note| note.kind.is_loss()) {
+        if self.refuses(&document) {
             bail!(
                 "{}: not drawn as it stands in the file, by the notes above, and --strict is given",
                 escaped(&self.model)
@@ -87,7 +87,16 @@ impl ModelArgs {
         Ok(document)
     }
 
-    fn read(&self) -> Result<Document> {
+    /// Whether `strict` refuses a document: something is lost or changed.
+    pub fn refuses(&self, document: &Document) -> bool {
+        self.strict && document.notes.iter().any(|note| note.kind.is_loss())
+    }
+
+    /// As [`Self::document`], in silence, and whatever is left out of it.
+    ///
+    /// # Errors
+    /// Where it is neither a built-in name nor a readable file.
+    pub fn read(&self) -> Result<Document> {
         if let Some(model) = models::builtin(&self.model) {
             return Ok(Document::of_model(model));
         }

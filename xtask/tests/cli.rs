@@ -435,7 +435,9 @@ fn a_bad_face_is_named_and_the_good_one_is_drawn_unless_strict() {
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {message}");
         assert!(message.contains(named) && message.contains("trim 2"), "{arguments:?}: {message}");
-        assert!(!text(&output.stdout).contains(named), "notes go to standard error");
+        // `info` counts them by kind, too, with the first of each.
+        let is_told = arguments[0] == "info";
+        assert_eq!(text(&output.stdout).contains(named), is_told, "notes go to standard error");
         refused(&[arguments, &["--strict"]].concat(), &[named, "--strict"]);
     }
     let info: Value = serde_json::from_slice(&xtask(&["info", path, "--format", "json"]).stdout).expect("JSON");
@@ -478,7 +480,14 @@ fn continuity_answers_with_its_exit_code_and_names_the_place() {
     let output = xtask(&["continuity", &bent, "--format", "html", "--out", page.to_str().expect("UTF-8")]);
     assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
     let page = std::fs::read_to_string(page).expect("a page");
-    for word in ["<svg", "Signature", report["hash"].as_str().expect("a hash"), "fail"] {
+    for word in [
+        "data:image/png;base64,",
+        "no class: 1",
+        "free: 6",
+        "Signature",
+        report["hash"].as_str().expect("a hash"),
+        "fail",
+    ] {
         assert!(page.contains(word), "no {word:?} in the page");
     }
 }
@@ -498,4 +507,39 @@ fn info_says_how_many_bicubic_patches_stand_for_a_model_and_names_the_patch_that
     assert!(message.contains("surface 0, patch 0 on [") && message.contains("1e-18"), "{message}");
     let plain: Value = serde_json::from_slice(&xtask(&["info", "teapot", "--format", "json"]).stdout).expect("JSON");
     assert!(plain.get("approximation").is_none());
+}
+
+#[test]
+fn info_of_a_folder_is_a_line_a_file_and_a_bad_one_ends_nothing() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("info-folder");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(folder.join("inner")).expect("folders");
+    std::fs::write(folder.join("inner/square.json"), square().to_string()).expect("written");
+    std::fs::write(folder.join("half.json"), half_bad().to_string()).expect("written");
+    std::fs::write(folder.join("bad.step"), "ISO-10303-21;").expect("written");
+    std::fs::write(folder.join("notes.txt"), "no model").expect("written");
+    let path = folder.to_str().expect("UTF-8");
+    let output = xtask(&["info", path, "teapot", "--format", "json"]);
+    assert_eq!(output.status.code(), Some(2));
+    let lines: Vec<Value> =
+        text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let names: Vec<&str> = lines.iter().map(|line| line["file"].as_str().expect("a name")).collect();
+    let expected = ["bad.step", "half.json", "inner/square.json"].map(|name| format!("{path}/{name}"));
+    assert_eq!(names, expected.iter().map(String::as_str).chain(["teapot"]).collect::<Vec<_>>());
+    let error = lines[0]["error"].as_str().expect("an error");
+    assert!(error.contains("bad.step") && error.contains("no instances"), "{error}");
+    assert_eq!(lines[1]["notes_by_kind"][0]["kind"], "left out");
+    assert_eq!((&lines[3]["face_count"], &lines[3]["surfaces"]["b-spline"]), (&json!(32), &json!(32)));
+    // What is lost is an error where --strict asks; all files of a pattern are one run.
+    let pattern = format!("{path}/*.json");
+    for (arguments, code) in [(vec!["info", &pattern], 0), (vec!["info", &pattern, "--strict"], 2)] {
+        let output = xtask(&arguments);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+        assert!(text(&output.stdout).contains("half.json: 1 faces: 1 b-spline"), "{}", text(&output.stdout));
+    }
+    let empty = folder.join("empty");
+    std::fs::create_dir(&empty).expect("a folder");
+    let output = xtask(&["info", empty.to_str().expect("UTF-8")]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stdout).contains("holds no model file"), "{}", text(&output.stdout));
 }

@@ -129,9 +129,12 @@ impl<'m> Border<'m> {
         }
     }
 
-    /// Points along the border, eight chords a piece: for a picture of it.
-    pub fn samples(&self) -> &[DVec3] {
-        &self.samples
+    /// This border and then `next`, of the same face, which begins where this one ends.
+    pub fn joined(&self, next: &Self) -> Self {
+        let mut border = self.clone();
+        border.pieces.extend(next.pieces.iter().cloned());
+        border.measure();
+        border
     }
 
     /// First and last point.

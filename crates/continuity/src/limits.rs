@@ -16,7 +16,7 @@ pub struct Limits {
 /// A named quality of edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum Class {
-    /// 0.01 model units (mm) and 0.1°.
+    /// 0.01 mm and 0.1°.
     A,
     /// 0.02 and 0.2°.
     B,
@@ -36,11 +36,18 @@ pub enum Verdict {
     Fail,
 }
 
+impl Limits {
+    /// The same limits for a model of which a unit is so many millimetres long, where these are in millimetres.
+    pub fn in_units_of(self, millimetres: f64) -> Self {
+        Self { gap: self.gap / millimetres, ..self }
+    }
+}
+
 impl Class {
     /// From the finest to the coarsest.
     pub const ALL: [Self; 3] = [Self::A, Self::B, Self::C];
 
-    /// The limits of distance and angle; curvature is not judged.
+    /// The limits of distance, in millimetres, and angle; curvature is not judged.
     pub fn limits(self) -> Limits {
         let (gap, angle_deg) = match self {
             Self::A => (0.01, 0.1),

@@ -1,7 +1,7 @@
 //! Which borders meet along an edge: as the file says, or found by matching them in space.
 //!
-//! Trims to which a file gives one edge number are neighbours, however far apart they run. All other borders are matched:
-//! each is cut where the end of another comes within the reach, and parts whose ends and inner points lie within the reach of
+//! Trims to which a file gives one edge number are neighbours, however far apart they run; those of one face that follow each
+//! other along the edge are one border. All others are matched, also those whose number no other face has: each is cut where the end of another comes within the reach, and parts whose ends and inner points lie within the reach of
 //! each other are neighbours. A border that meets two others one after the other has a T-junction between them.
 //! What matching finds is measured, not proven; what is then said of the edges it finds is.
 
@@ -71,7 +71,8 @@ pub fn neighbours(given: Vec<Given<'_>>, reach: f64) -> Neighbours<'_> {
         }
     }
     let mut groups = vec![];
-    for (edge, borders) in numbered {
+    for (edge, trims) in numbered {
+        let borders = whole(trims, reach);
         if borders.iter().any(|border| border.length() <= POINT * reach) {
             points.extend(borders);
         } else if borders.len() > 1 {
@@ -92,6 +93,26 @@ pub fn neighbours(given: Vec<Given<'_>>, reach: f64) -> Neighbours<'_> {
         }
     }
     Neighbours { groups, free, points, junctions }
+}
+
+/// An edge's trims as borders: where a reader cuts an edge in several trims, one after the other on a face, they are one.
+fn whole(trims: Vec<Border<'_>>, reach: f64) -> Vec<Border<'_>> {
+    let mut borders: Vec<Border> = vec![];
+    for next in trims {
+        match borders.last_mut() {
+            Some(last) if last.face == next.face && goes_on(last, &next, reach) => *last = last.joined(&next),
+            _ => borders.push(next),
+        }
+    }
+    borders
+}
+
+/// Whether `next` begins where `border` ends and goes on from there; at a seam it would come back.
+fn goes_on(border: &Border, next: &Border, reach: f64) -> bool {
+    let way = 0.5 * border.length().min(next.length());
+    let before = border.at(border.at_length(border.length() - way)).position;
+    let after = next.at(next.at_length(way)).position;
+    border.ends()[1].distance(next.ends()[0]) <= reach && way < before.distance(after)
 }
 
 /// The same borders, all running as the first does.

@@ -18,11 +18,16 @@ const GREATEST_REACH: f64 = 1e-3;
 /// The reach, in limits of the gap.
 const REACH: f64 = 10.0;
 
+/// Chords of a piece in a picture: a quarter of a circle 1,000 pixels large is off by a seventh of one.
+const PATH: usize = 32;
+
 /// What is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Settings {
     /// The greatest deviations.
     pub limits: Limits,
+    /// How many millimetres a unit of the model is: the classes are stated in them.
+    pub millimetres: f64,
     /// How far apart borders may run, model units, that are taken for neighbours where the file names none.
     pub reach: f64,
     /// The curvature below which a surface counts as flat, 1 / model units: over the model's diagonal it bends by less than the
@@ -31,11 +36,16 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Those for a model: the reach is ten times the limit of the gap, and at most 1/1000 of the model's diagonal.
+    /// Those for a model in millimetres: the reach is ten times the limit of the gap, and at most 1/1000 of the model's diagonal.
     pub fn new(limits: Limits, model: &Model) -> Self {
         let size = model.hull().diagonal();
         // A chord's height is κ d² / 8.
-        Self { limits, reach: (REACH * limits.gap).min(GREATEST_REACH * size), flat: 8.0 * limits.gap / (size * size) }
+        Self {
+            limits,
+            millimetres: 1.0,
+            reach: (REACH * limits.gap).min(GREATEST_REACH * size),
+            flat: 8.0 * limits.gap / (size * size),
+        }
     }
 }
 
@@ -210,7 +220,7 @@ pub fn report(model: &Model, settings: Settings) -> Report {
     }
     let judged = |(edge, first, second): &(Option<i64>, &Border, &Border)| {
         let joint = Joint { first: (*first).clone(), second: (*second).clone(), flat: settings.flat };
-        edge_report(model, *edge, &joint, &joint.certify(&settings.limits), &settings.limits)
+        edge_report(model, *edge, &joint, &joint.certify(&settings.limits), &settings)
     };
     let mut edges: Vec<EdgeReport> = joints.par_iter().map(judged).collect();
     let badness = |edge: &EdgeReport| badness(edge, &settings.limits);
@@ -257,7 +267,15 @@ fn badness(edge: &EdgeReport, limits: &Limits) -> f64 {
     (edge.gap.bound / limits.gap).max(edge.angle_deg.bound / limits.angle_deg).max(curvature)
 }
 
-fn edge_report(model: &Model, edge: Option<i64>, joint: &Joint, found: &Certificate, limits: &Limits) -> EdgeReport {
+fn edge_report(
+    model: &Model,
+    edge: Option<i64>,
+    joint: &Joint,
+    found: &Certificate,
+    settings: &Settings,
+) -> EdgeReport {
+    let limits = &settings.limits;
+    let keeps = |class: &Class| found.verdict(&class.limits().in_units_of(settings.millimetres)) == Verdict::Pass;
     let verdicts = found.verdicts(limits);
     let answer = |criterion: Criterion, unit: f64| {
         let finding = found.finding(criterion);
@@ -272,7 +290,7 @@ fn edge_report(model: &Model, edge: Option<i64>, joint: &Joint, found: &Certific
         edge,
         borders: [named(model, first), named(model, second)],
         verdict: found.verdict(limits),
-        class: Class::ALL.into_iter().find(|class| found.verdict(&class.limits()) == Verdict::Pass),
+        class: Class::ALL.into_iter().find(keeps),
         gap: answer(Criterion::Gap, 1.0),
         angle_deg: answer(Criterion::Angle, 1f64.to_degrees()),
         curvature: answer(Criterion::Curvature, 1.0),
@@ -294,7 +312,8 @@ fn named(model: &Model, border: &Border) -> Named {
         Origin::Side(side) => SIDES[side].to_owned(),
     };
     let number_in_file = model.number_in_file(border.face);
-    let path = border.samples().iter().map(|point| point.to_array()).collect();
+    let steps = PATH * border.count();
+    let path = (0..=steps).map(|k| border.at(k as f64 / PATH as f64).position.to_array()).collect();
     Named { face: border.face.0, number_in_file, border: name, length: border.length(), path }
 }
 

@@ -3,9 +3,9 @@
 mod seams;
 
 use continuity::{Class, Limits, Report, Settings, Verdict, report};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nurbs::{Direction, KnotVector, Surface};
-use scene::Model;
+use scene::{Face, Loop, Model, Trim};
 use seams::flipped;
 
 /// The rectangle from `origin` along `u` and `v`.
@@ -143,4 +143,60 @@ fn edges_that_a_file_names_are_taken_as_named() {
     assert!(edge.gap.verdict == Some(Verdict::Pass) && edge.gap.bound < 1.1e-6, "{edge:?}");
     let shared = &model.shared_edges()[0];
     assert!(edge.gap.bound >= shared.gap * (1.0 - 1e-3), "{} sampled, {:?}", shared.gap, edge.gap);
+}
+
+/// A face on the whole of a sheet within a loop, counter-clockwise; each corner with the number of the edge that begins there.
+fn bounded(surface: usize, corners: &[(DVec2, i64)]) -> Face {
+    let knots = || KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).expect("one span");
+    let side = |k: usize| {
+        let (from, edge) = corners[k];
+        let to = corners[(k + 1) % corners.len()].0;
+        Trim { edge: Some(edge), ..Trim::new(knots(), vec![from, to], None) }
+    };
+    let trims = (0..corners.len()).map(side).collect();
+    Face { loops: vec![Loop { outer: true, trims }], ..Face::whole(surface) }
+}
+
+/// Readers cut an edge where its curve has a corner, or crosses its own end; another face may have it in one trim.
+#[test]
+fn an_edge_in_several_trims_is_one_edge() {
+    let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(DVec2::from_array);
+    let [low, high] = [0.3, 0.8].map(|v| DVec2::new(1.0, v));
+    let left = bounded(0, &[(a, 0), (b, 7), (low, 7), (high, 7), (c, 1), (d, 2)]);
+    let right = bounded(1, &[(a, 3), (b, 4), (c, 5), (d, 7)]);
+    // 0.05 apart: only the file can know that they are neighbours.
+    let surfaces = vec![sheet(DVec3::ZERO, DVec3::X, DVec3::Y), sheet(1.05 * DVec3::X, DVec3::X, DVec3::Y)];
+    let model = Model::new("cut", surfaces, vec![left, right]).expect("two faces");
+    let found = report(&model, Settings { reach: 1e-3, ..Settings::new(Class::A.limits(), &model) });
+    assert_eq!((found.edges.len(), found.non_manifold.len(), found.free.len()), (1, 0, 6));
+    let edge = &found.edges[0];
+    assert_eq!(edge.edge, Some(7));
+    assert!(edge.borders.iter().all(|border| (border.length - 1.0).abs() < 1e-12), "{:?}", edge.borders);
+    assert!((0.05 - 1e-9..0.05 * 1.011).contains(&edge.gap.bound) && edge.angle_deg.bound < 1e-9, "{edge:?}");
+}
+
+/// The trims of a seam are one edge of one face, too, but the second comes back along the first.
+#[test]
+fn the_two_sides_of_a_seam_stay_two_borders() {
+    let model = models::builtin("window").expect("built in");
+    let found = report(&model, Settings::new(Class::A.limits(), &model));
+    let seam = found.edges.iter().find(|edge| edge.edge.is_some()).expect("a named edge");
+    let [a, b] = &seam.borders;
+    assert_eq!((a.face, a.face), (b.face, 0));
+    assert!((a.length - b.length).abs() <= 1e-12 * a.length && a.border != b.border, "{:?}", seam.borders);
+}
+
+/// 0.005 inches are 0.127 mm, and 0.005 mm are class A.
+#[test]
+fn classes_are_in_millimetres_whatever_the_unit() {
+    let surfaces = vec![sheet(DVec3::ZERO, DVec3::X, DVec3::Y), sheet(1.005 * DVec3::X, DVec3::X, DVec3::Y)];
+    let model = Model::of_surfaces("sheets", surfaces).expect("surfaces");
+    let class = |millimetres: f64| {
+        let limits = Class::A.limits().in_units_of(millimetres);
+        let found = report(&model, Settings { millimetres, reach: 0.01, ..Settings::new(limits, &model) });
+        (found.class, found.verdict)
+    };
+    assert_eq!(class(1.0), (Some(Class::A), Verdict::Pass));
+    assert_eq!(class(3.0), (Some(Class::B), Verdict::Fail));
+    assert_eq!(class(25.4), (None, Verdict::Fail));
 }

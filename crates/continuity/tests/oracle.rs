@@ -36,7 +36,7 @@ fn every_bound_holds_what_mpmath_found_and_is_near_it() {
         let model = Model::of_surfaces("seam", surfaces).expect("surfaces");
         // Limits far below, so that all bounds are made close.
         let limits = Limits { gap: 1e-9, angle_deg: 1e-5, curvature: Some(1e-6) };
-        let found = report(&model, Settings { limits, reach: 0.1, flat: 1e-6 });
+        let found = report(&model, Settings { limits, millimetres: 1.0, reach: 0.1, flat: 1e-6 });
         let edge = found
             .edges
             .iter()

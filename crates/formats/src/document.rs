@@ -1,8 +1,9 @@
-//! What a reader makes of a file: a model, and what is to be known of how it was read.
+//! What a reader makes of a file: a model, what the file says of its faces, and what is to be known of how it was read.
 
 use crate::place::Place;
 use scene::Model;
 use std::fmt;
+use std::sync::Arc;
 
 /// A file as it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,15 +15,97 @@ pub struct Document {
     /// Coordinates are those of the file: scaling them would round every one, and the file's tolerances are stated in
     /// its own unit.
     pub unit: Option<Unit>,
+    /// What the file says of each face beyond its shape, in the order of [`scene::FaceId`].
+    ///
+    /// Which faces share an edge is not here but in the model itself: trims with the same [`scene::Trim::edge`] run along one.
+    pub attributes: Vec<Attributes>,
     /// What of the file is not drawn as it stands there, and what was found by approximation.
     pub notes: Vec<Note>,
 }
 
 impl Document {
-    /// A file without units, of which is to be known what the model itself notes.
+    /// A file without units, names and colours, of which is to be known what the model itself notes.
     pub fn of_model(model: Model) -> Self {
         let notes = model.notes().iter().map(|note| Note::of_model(Place::File, note)).collect();
-        Self { model, unit: None, notes }
+        let attributes = vec![Attributes::default(); model.faces().len()];
+        Self { model, unit: None, attributes, notes }
+    }
+}
+
+/// What a file says of a face beyond its shape.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Attributes {
+    /// The face's name, else that of what it is a part of: a body, an object, a product. Shared, as faces of one part have one.
+    pub name: Option<Arc<str>>,
+    /// The face's colour, else that of what it is a part of.
+    pub colour: Option<Colour>,
+    /// The surface as the file has it; the model has a spline in its place.
+    pub surface: SurfaceKind,
+}
+
+/// A colour in sRGB.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Colour(
+    /// Red, green and blue.
+    pub [u8; 3],
+);
+
+impl Colour {
+    /// From parts of 0 to 1; what is beyond is clamped. `None` where a part is no number.
+    pub fn of_parts(parts: [f64; 3]) -> Option<Self> {
+        let is_number = parts.iter().all(|part| !part.is_nan());
+        is_number.then(|| Self(parts.map(|part| (255.0 * part.clamp(0.0, 1.0)).round() as u8)))
+    }
+}
+
+impl fmt::Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [red, green, blue] = self.0;
+        write!(f, "#{red:02x}{green:02x}{blue:02x}")
+    }
+}
+
+/// A kind of surface, as files have them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum SurfaceKind {
+    /// A plane.
+    Plane,
+    /// A circular cylinder.
+    Cylinder,
+    /// A circular cone.
+    Cone,
+    /// A sphere.
+    Sphere,
+    /// A torus, or a part of one that meets itself.
+    Torus,
+    /// A curve turned about an axis.
+    Revolution,
+    /// A curve moved along a line.
+    Extrusion,
+    /// A curve moved along a curve.
+    Sum,
+    /// At a distance from another surface.
+    Offset,
+    /// A spline or Bézier surface, rational or not.
+    #[default]
+    Spline,
+}
+
+impl fmt::Display for SurfaceKind {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(match self {
+            Self::Plane => "plane",
+            Self::Cylinder => "cylinder",
+            Self::Cone => "cone",
+            Self::Sphere => "sphere",
+            Self::Torus => "torus",
+            Self::Revolution => "revolution",
+            Self::Extrusion => "extrusion",
+            Self::Sum => "sum",
+            Self::Offset => "offset",
+            Self::Spline => "b-spline",
+        })
     }
 }
 
@@ -50,6 +133,16 @@ impl NoteKind {
     /// Whether something is lost or changed: what `--strict` refuses.
     pub fn is_loss(self) -> bool {
         self != Self::Approximated
+    }
+}
+
+impl fmt::Display for NoteKind {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(match self {
+            Self::LeftOut => "left out",
+            Self::Healed => "healed",
+            Self::Approximated => "approximated",
+        })
     }
 }
 

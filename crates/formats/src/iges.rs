@@ -168,7 +168,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         };
         Note::of_model(face.map_or(Place::File, face_place), note)
     }));
-    Ok(Document { model, unit: global.unit, notes })
+    Ok(Document { unit: global.unit, notes, ..Document::of_model(model) })
 }
 
 /// A directory entry as a place: its line, its number, its type.

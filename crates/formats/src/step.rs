@@ -12,26 +12,30 @@ mod fault;
 mod geometry;
 mod p21;
 mod spline;
+mod structure;
+mod styles;
 mod support;
+mod text;
 mod topology;
 mod units;
 mod value;
 
 use crate::brep::face::make;
-use crate::brep::frame::Motion;
 use crate::brep::source::Made;
 use crate::brep::total::Total;
-use crate::document::{Document, Note, NoteKind};
+use crate::document::{Attributes, Document, Note, NoteKind, SurfaceKind};
 use crate::error::{Cause, FormatError};
 use crate::format::{Format, Support, file_name, text_head};
 use crate::place::Place;
-use assembly::{Assembly, Placed, RELATIONS, REPRESENTATIONS};
+use assembly::{Assembly, Placed};
 use fault::{Fault, fault};
 use geometry::Geometry;
 use p21::Instances;
 use scene::Model;
 use std::cell::Cell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use structure::{RELATIONS, REPRESENTATIONS};
+use styles::STYLES;
 use units::Units;
 
 /// How many control points and edges are read at most, those that are named again counted again: so many, and more for each
@@ -73,24 +77,13 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     if instances.len() == 0 {
         return Err(FormatError::new(file, Place::File, Cause::Kind("it has no instances: #1 = …".to_owned())));
     }
-    let keywords: Vec<&'static str> = REPRESENTATIONS.into_iter().chain(RELATIONS).chain(["ADVANCED_FACE"]).collect();
-    let of = instances.of(&keywords);
+    let keywords = REPRESENTATIONS.into_iter().chain(RELATIONS).chain(STYLES).chain(["ADVANCED_FACE"]);
+    let of = instances.of(&keywords.collect::<Vec<&'static str>>());
     let mut assembly = Assembly::new(&instances, &of);
     let mut notes: Vec<Note> = vec![];
-    let reached: BTreeSet<u64> = assembly.placed.iter().map(|placed| placed.number).collect();
-    let lost: Vec<u64> = of["ADVANCED_FACE"].iter().copied().filter(|number| !reached.contains(number)).collect();
-    if let Some(first) = lost.first() {
-        let text = format!("{} faces that no representation shows are drawn where they stand", lost.len());
-        notes.push(Note { kind: NoteKind::Healed, place: place(&instances, *first), text });
-        let placed = |number: u64| Placed {
-            number,
-            motion: Motion::IDENTITY,
-            reversed: false,
-            context: assembly.context,
-            instance: usize::MAX,
-        };
-        let placed: Vec<Placed> = lost.into_iter().map(placed).collect();
-        assembly.placed.extend(placed);
+    if let Some((count, first)) = assembly.lost {
+        let text = format!("{count} faces that no representation shows are drawn where they stand");
+        notes.push(Note { kind: NoteKind::Healed, place: place(&instances, first), text });
     }
     let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
     let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), made: BTreeMap::new(), work: &work };
@@ -98,8 +91,9 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     for placed in &assembly.placed {
         *uses.entry((placed.number, placed.context)).or_default() += 1;
     }
-    let (mut surfaces, mut faces, mut total) = (vec![], vec![], Total::default());
+    let (mut surfaces, mut faces, mut attributes, mut total) = (vec![], vec![], vec![], Total::default());
     let mut edges: BTreeMap<(usize, i64), i64> = BTreeMap::new();
+    let mut kinds: BTreeMap<u64, SurfaceKind> = BTreeMap::new();
     let mut faults = std::mem::take(&mut assembly.faults);
     for placed in &assembly.placed {
         let left = uses.get_mut(&(placed.number, placed.context)).expect("each was counted");
@@ -114,6 +108,9 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
                     trim.edge = trim.edge.map(|edge| *edges.entry((placed.instance, edge)).or_insert(next));
                 }
                 surfaces.push(surface);
+                let kind = || geometry::kind(&instances, placed.number);
+                let surface = *kinds.entry(placed.number).or_insert_with(kind);
+                attributes.push(Attributes { surface, ..placed.attributes.clone() });
                 faces.push((usize::try_from(placed.number).unwrap_or(usize::MAX), face));
             }
             Err(fault) => faults.push(fault),
@@ -155,7 +152,9 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         };
         Note::of_model(face.map_or(Place::File, |face| place(&instances, face)), note)
     }));
-    Ok(Document { model, unit: units.length, notes })
+    // Each face has a surface of its own.
+    let attributes = model.faces().iter().map(|face| attributes[face.surface].clone()).collect();
+    Ok(Document { model, unit: units.length, attributes, notes })
 }
 
 fn place(instances: &Instances, number: u64) -> Place {

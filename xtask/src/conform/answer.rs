@@ -1,7 +1,8 @@
 //! Where the answer goes: a folder that nobody else writes to, and a person or a machine that reads it.
 
-use super::corpus::{Shard, Suite};
+use super::corpus::Suite;
 use super::report::{Report, State};
+use super::shard::Shard;
 use super::{html, junit, table};
 use crate::format::Format;
 use crate::{output, say, terminal};

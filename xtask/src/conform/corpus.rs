@@ -1,14 +1,14 @@
 //! The corpus: portable scenes, each named by what it stresses, and what a suite takes of them.
 
 use crate::stage::Plan;
-use anyhow::{Context, Result, bail};
+use crate::view::ModelArgs;
 use glam::DVec3;
 use pipeline::Scheme;
 use pipeline::mask::{MaskOptions, Trimming};
 use scene::{Camera, Model, Projection, Viewport};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
-use std::str::FromStr;
 use techniques::Technique;
 
 /// How much of the corpus is run.
@@ -30,7 +30,7 @@ pub struct Scene {
     pub name: &'static str,
     /// What it stresses, as a sentence.
     pub stresses: &'static str,
-    /// Name of a built-in model, so that any pixel can be asked for again on the command line.
+    /// Name of a built-in model, or the path of a file, so that any pixel can be asked for again on the command line.
     pub model: &'static str,
     /// From where; the smoke suite takes the first.
     pub viewpoints: &'static [Viewpoint],
@@ -199,10 +199,7 @@ pub struct PlannedCase {
 }
 
 impl Corpus {
-    /// What `scenes` are in a suite.
-    ///
-    /// # Panics
-    /// Where a scene's model is not built in; a test shows that each is.
+    /// What `scenes` are in a suite. One whose model cannot be read is a single case, which will say why.
     pub fn new(suite: Suite, scenes: &[&'static Scene]) -> Self {
         let side = suite.side();
         let viewport = Viewport::new(side, side).expect("a legal size");
@@ -214,17 +211,24 @@ impl Corpus {
             }
         };
         for scene in scenes {
-            let model = models::builtin(scene.model).expect("the corpus names built-in models");
+            let model = scene.open();
             let info = SceneInfo::of(scene);
-            for text in [&info.name, &info.model, &info.stresses, &info.unbounded_share.to_string(), &model.hash()] {
+            let hash = model.as_ref().map_or_else(String::clone, Model::hash);
+            for text in [&info.name, &info.model, &info.stresses, &info.unbounded_share.to_string(), &hash] {
                 add(text);
             }
             corpus.scenes.push(info);
+            let Ok(model) = model else {
+                let key = scene.unread(suite);
+                add(&key.to_string());
+                corpus.cases.push(PlannedCase { key, side, options: scene.model.to_owned() });
+                continue;
+            };
             for &viewpoint in suite.viewpoints(scene) {
                 let camera = viewpoint.camera(&model, viewport);
                 for plan in suite.plans(scene) {
                     let key = scene.key(viewpoint, plan);
-                    let options = format!("{} {}", scene.model, command_options(&camera, viewport, plan));
+                    let options = scene.options(&camera, viewport, plan);
                     add(&format!("{key} {options}"));
                     corpus.cases.push(PlannedCase { key, side, options });
                 }
@@ -241,7 +245,7 @@ impl Corpus {
 pub struct SceneInfo {
     /// Its name.
     pub name: String,
-    /// Name of its model.
+    /// Name of its model, or the path of its file.
     pub model: String,
     /// What it stresses.
     pub stresses: String,
@@ -257,75 +261,6 @@ impl SceneInfo {
             stresses: scene.stresses.to_owned(),
             unbounded_share: scene.unbounded_share,
         }
-    }
-}
-
-/// The most parts that a suite is cut into: more than it has scenes, and few enough to count them one by one.
-pub const MAX_SHARDS: usize = 1000;
-
-/// Part `index` (from 1) of `count` of a suite, at most [`MAX_SHARDS`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(try_from = "RawShard")]
-pub struct Shard {
-    /// Which part, from 1.
-    pub index: usize,
-    /// Of how many.
-    pub count: usize,
-}
-
-/// A part as it stands in a file, before it is judged.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawShard {
-    index: usize,
-    count: usize,
-}
-
-impl TryFrom<RawShard> for Shard {
-    type Error = anyhow::Error;
-
-    fn try_from(raw: RawShard) -> Result<Self> {
-        Self::new(raw.index, raw.count)
-    }
-}
-
-impl Shard {
-    /// Part `index` of `count`.
-    ///
-    /// # Errors
-    /// Where there is no such part, or too many.
-    pub fn new(index: usize, count: usize) -> Result<Self> {
-        if index < 1 || index > count {
-            bail!("shard {index}/{count}: the first number goes from 1 to the second");
-        }
-        if count > MAX_SHARDS {
-            bail!("shard {index}/{count}: a suite has at most {MAX_SHARDS} parts");
-        }
-        Ok(Self { index, count })
-    }
-
-    /// The whole suite.
-    pub const WHOLE: Self = Self { index: 1, count: 1 };
-
-    /// Whether this part runs the scene at `place` of the suite's list.
-    pub fn holds(self, place: usize) -> bool {
-        place % self.count == self.index - 1
-    }
-}
-
-impl fmt::Display for Shard {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}/{}", self.index, self.count)
-    }
-}
-
-impl FromStr for Shard {
-    type Err = anyhow::Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let parts = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
-        let (index, count) = parts.with_context(|| format!("{text:?} is not K/N, as in 2/3"))?;
-        Self::new(index, count)
     }
 }
 
@@ -379,6 +314,31 @@ impl Suite {
 }
 
 impl Scene {
+    /// A model file as a scene.
+    pub const fn of_file(path: &'static str) -> Self {
+        allowing(0.01, scene(path, path, ALL_ROUND, Smoke, "a model file"))
+    }
+
+    /// Opens its model.
+    ///
+    /// # Errors
+    /// Where it cannot be read, or there is nothing to look at: why, in words.
+    pub fn open(&self) -> Result<Model, String> {
+        let model = ModelArgs::named(self.model).read().map_err(|error| error.to_string())?.model;
+        let size = model.hull().diagonal();
+        if 0.0 < size && size.is_finite() { Ok(model) } else { Err(format!("its box is {size} across")) }
+    }
+
+    /// The one case of a scene whose model cannot be read.
+    pub fn unread(&self, suite: Suite) -> CaseKey {
+        self.key(self.viewpoints[0], suite.plans(self)[0])
+    }
+
+    /// The options of `pixel` and `compare` that show it.
+    pub fn options(&self, camera: &Camera, viewport: Viewport, plan: Plan) -> String {
+        format!("{} {}", quoted(self.model), command_options(camera, viewport, plan))
+    }
+
     /// The key of this scene as seen from `viewpoint`, drawn by `plan`.
     pub fn key(&self, viewpoint: Viewpoint, plan: Plan) -> CaseKey {
         CaseKey {
@@ -431,6 +391,12 @@ impl Viewpoint {
         };
         Camera::look_at(eye, target, up, projection).expect("finite, distinct, and up is across the view")
     }
+}
+
+/// A word as a shell takes it for one.
+fn quoted(word: &str) -> Cow<'_, str> {
+    let is_plain = |c: char| c.is_alphanumeric() || "._/-+,:@".contains(c);
+    if word.chars().all(is_plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")).into() }
 }
 
 /// The options of `pixel` and `compare` that stand for a camera, a size and a plan.

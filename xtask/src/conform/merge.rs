@@ -2,8 +2,10 @@
 
 use super::answer::{OutputArgs, claim, finish};
 use super::check::check;
-use super::corpus::{Corpus, Shard};
+use super::corpus::Corpus;
+use super::own::OwnArgs;
 use super::report::{Case, Outcome, Report, Subject};
+use super::shard::Shard;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,6 +25,8 @@ pub struct MergeArgs {
     #[arg(required = true, value_name = "DIR_OR_REPORT")]
     reports: Vec<PathBuf>,
     #[command(flatten)]
+    models: OwnArgs,
+    #[command(flatten)]
     output: OutputArgs,
 }
 
@@ -37,7 +41,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         read.push((Report::read(&path)?, path));
     }
     let suite = read.first().map(|(report, _)| report.suite).context("nothing to merge")?;
-    let merged = merged(&read, &Corpus::new(suite, &suite.scenes()))?;
+    let merged = merged(&read, &Corpus::new(suite, &args.models.scenes(suite)))?;
     let _lock = claim(&args.output.out, suite, Shard::WHOLE)?;
     finish(&merged, &args.output)
 }

@@ -3,7 +3,8 @@
 //! `report.json` is the one source of the table, the JUnit file and the HTML page. Whether a run is complete is never
 //! stored: it follows from what was planned and what is there, so that a run that was killed says so by itself.
 
-use super::corpus::{CaseKey, SceneInfo, Shard, Suite};
+use super::corpus::{CaseKey, SceneInfo, Suite};
+use super::shard::Shard;
 use super::wrong::Vacuity;
 use crate::output;
 use anyhow::{Context, Result, bail};

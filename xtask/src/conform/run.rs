@@ -1,8 +1,9 @@
 //! A run: each case rendered by ray caster and CPU rasterizer once, by each adapter, and compared in all pairs.
 
-use super::corpus::{Corpus, Scene, Shard, Suite, Viewpoint, command_options};
+use super::corpus::{Corpus, Scene, Suite, Viewpoint};
 use super::pictures::data_uri;
 use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
+use super::shard::Shard;
 use super::wrong::Vacuity;
 use crate::compare::pictures::difference;
 use crate::stage::{Plan, Stage};
@@ -154,6 +155,20 @@ impl Plans {
         Corpus::new(self.suite, &self.scenes)
     }
 
+    /// What stands in the report for a scene whose model cannot be read.
+    fn unread(&self, scene: &Scene, error: String) -> Case {
+        Case {
+            key: scene.unread(self.suite),
+            size: [self.suite.side(); 2],
+            options: scene.model.to_owned(),
+            triangles: 0,
+            undecided: 0,
+            picture: None,
+            error: Some(error),
+            outcomes: vec![],
+        }
+    }
+
     /// Runs it, adding to `report` and handing it to `keep` after each viewpoint of a scene.
     ///
     /// An adapter that is lost is not asked again, and the report says so; the others go on. Where `stop` is set the
@@ -171,7 +186,15 @@ impl Plans {
         let bar = terminal::progress("conform", report.expected().len());
         let mine = self.scenes.iter().enumerate().filter(|(place, _)| self.shard.holds(*place));
         for (_, scene) in mine {
-            let model = models::builtin(scene.model).expect("the corpus names built-in models, as a test shows");
+            let model = match scene.open() {
+                Ok(model) => model,
+                Err(error) => {
+                    report.cases.push(self.unread(scene, error));
+                    bar.inc(1);
+                    keep(report)?;
+                    continue;
+                }
+            };
             let caster = Caster::new(&model);
             for &viewpoint in self.suite.viewpoints(scene) {
                 let side = self.suite.side();
@@ -223,7 +246,7 @@ impl Sitting<'_> {
         let mut case = Case {
             key: self.scene.key(viewpoint, plan),
             size: [viewport.width(), viewport.height()],
-            options: format!("{} {}", self.scene.model, command_options(&camera, viewport, plan)),
+            options: self.scene.options(&camera, viewport, plan),
             triangles: 0,
             undecided: self.raycast.undecided(),
             picture: None,

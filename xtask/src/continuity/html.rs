@@ -1,30 +1,32 @@
-//! The report as one page to print and sign: verdict, edges drawn by class, table, settings, the model's hash.
-//!
-//! The picture is a line drawing of the edges, without what hides them. Zebra stripes under it are missing.
+//! The report as one page to print and sign: verdict, a picture with the edges by class, table, settings, the model's hash.
 
 use super::table;
+use crate::conform::pictures::data_uri;
+use crate::overlay::{Mark, Overlay};
 use crate::text::escaped;
-use continuity::{Class, Report, Verdict};
-use glam::DVec3;
-use scene::{Camera, Model, Viewport};
+use anyhow::Result;
+use continuity::{Report, Verdict};
+use gbuffer::Picture;
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("../../assets/report.css");
 
 /// The page's own rules, after the style of reports.
 const OWN: &str =
-    "svg { background: var(--card); border: 1px solid var(--line); border-radius: 12px; width: 100%; height: auto; }
+    "figure { margin: 0; } figure img { border-radius: 12px; width: 100%; height: auto; }
+.marks { display: flex; flex-wrap: wrap; gap: 6px 22px; margin: 10px 0 0; padding: 0; list-style: none; font-size: 14px; }
+.marks i { display: inline-block; width: 26px; height: 4px; border-radius: 2px; margin-right: 8px; vertical-align: middle; }
 pre { white-space: pre-wrap; font: 13px/1.5 var(--mono); }
 td { white-space: pre-line; }
 .sign { display: grid; grid-template-columns: 1fr 1fr 1fr; gap: 32px; margin: 56px 0 40px; }
 .sign div { border-top: 1px solid var(--ink); padding-top: 4px; font-size: 13px; color: var(--quiet); }
 @media print { body { font-size: 11px; } section { break-inside: auto; } tr { break-inside: avoid; } }";
 
-/// Pixels of the picture.
-const SIZE: [usize; 2] = [1200, 800];
-
-/// The page.
-pub fn page(report: &Report, model: &Model) -> String {
+/// The page, with a picture of isophotes beside zebra stripes.
+///
+/// # Errors
+/// Where the picture cannot be encoded.
+pub fn page(report: &Report, picture: &Picture) -> Result<String> {
     let state = match report.verdict {
         _ if report.edges.is_empty() => "partial",
         Verdict::Pass => "agree",
@@ -43,19 +45,17 @@ pub fn page(report: &Report, model: &Model) -> String {
         html(&table::headline(report))
     );
     section(&mut page, "Settings", &preformatted(&table::settings(report)));
-    section(&mut page, "Edges by class", &format!("{LEGEND}{}", picture(report, model)));
+    section(&mut page, "Edges by class", &figure(report, picture)?);
     section(&mut page, "Edges, worst first", &rows(report));
     section(&mut page, "Borders", &preformatted(&table::borders(report)));
     section(&mut page, "Faces", &preformatted(&table::faces(report)));
     page.push_str(
         "<p class=\"quiet\">Each value lies between the two numbers: the upper is proven for all of the edge, the lower \
-         was seen at the place given. The picture hides no line behind a face, and has no zebra stripes.</p>\n\
+         was seen at the place given.</p>\n\
          <div class=\"sign\"><div>Name</div><div>Date</div><div>Signature</div></div>\n</main>\n</body>\n</html>",
     );
-    page
+    Ok(page)
 }
-
-const LEGEND: &str = "<p class=\"lead\">Class A green, B blue, C orange, none red, free edges grey and dashed.</p>";
 
 fn section(page: &mut String, title: &str, body: &str) {
     let body = if body.is_empty() { "<p class=\"quiet\">Nothing to say.</p>" } else { body };
@@ -76,36 +76,24 @@ fn rows(report: &Report) -> String {
     format!("<div class=\"scroll\"><table><thead><tr>{header}</tr></thead><tbody>{rows}</tbody></table></div>")
 }
 
-/// The edges as lines, as a camera that frames the model sees them.
-fn picture(report: &Report, model: &Model) -> String {
-    let Ok(viewport) = Viewport::new(SIZE[0], SIZE[1]) else { return String::new() };
-    let camera = Camera::framing(model, viewport);
-    let project = |p: &[f64; 3]| {
-        let at = DVec3::from_array(*p) - camera.eye();
-        let scale = 0.5 * SIZE[1] as f64 / camera.half_height() / at.dot(camera.forward());
-        let [x, y] = [at.dot(camera.right()), at.dot(camera.above())];
-        (0.5 * SIZE[0] as f64 + scale * x, 0.5 * SIZE[1] as f64 - scale * y)
+/// The picture, and how many edges have which colour.
+fn figure(report: &Report, picture: &Picture) -> Result<String> {
+    let overlay = Overlay::of(report);
+    let mark = |mark: Mark| {
+        let [red, green, blue] = mark.colour();
+        let (name, count) = (mark.name(), overlay.count(mark));
+        format!("<li><i style=\"background:#{red:02x}{green:02x}{blue:02x}\"></i>{name}: {count}</li>")
     };
-    let mut drawing =
-        format!("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"Edges by class\">", SIZE[0], SIZE[1]);
-    let mut line = |path: &[[f64; 3]], style: &str| {
-        let points: String = path.iter().map(project).map(|(x, y)| format!("{x:.1},{y:.1} ")).collect();
-        let _ = write!(drawing, "<polyline fill=\"none\" {style} points=\"{}\"/>", points.trim_end());
-    };
-    for border in &report.free {
-        line(&border.path, "stroke=\"#888\" stroke-width=\"1\" stroke-dasharray=\"4 3\"");
-    }
-    // The worst last, so that nothing covers it.
-    for edge in report.edges.iter().rev() {
-        let colour = match edge.class {
-            Some(Class::A) => "#0b7a4b",
-            Some(Class::B) => "#2456c9",
-            Some(Class::C) => "#d07800",
-            None => "#b3261e",
-        };
-        line(&edge.borders[0].path, &format!("stroke=\"{colour}\" stroke-width=\"1.6\""));
-    }
-    drawing + "</svg>"
+    let marks: String = Mark::ALL.into_iter().filter(|mark| 0 < overlay.count(*mark)).map(mark).collect();
+    Ok(format!(
+        "<figure><img alt=\"Isophotes and zebra stripes with the edges by class\" width=\"{}\" height=\"{}\" src=\"{}\">\
+         <figcaption><ul class=\"marks\">{marks}</ul>\
+         <p class=\"quiet\">Isophotes on the left, zebra stripes on the right; edges are drawn where they are seen.</p>\
+         </figcaption></figure>",
+        picture.width(),
+        picture.height(),
+        data_uri(picture)?
+    ))
 }
 
 /// Text with nothing in it that a page takes for markup, nor hidden characters.

@@ -52,15 +52,23 @@ pub fn settings(report: &Report) -> Vec<String> {
     let curvature = limits.curvature.map_or("not judged".to_owned(), |limit| format!("≤ {limit}"));
     let by = report.edges.iter().filter(|edge| edge.edge.is_some()).count();
     let matched = report.edges.len() - by;
+    let millimetres = report.settings.millimetres;
+    let gap = match limits.gap {
+        gap if millimetres == 1.0 => gap.to_string(),
+        gap => format!("{gap:.4e} (of {millimetres} mm: {:.4e} mm)", gap * millimetres),
+    };
+    let matching = format!("by matching borders within {:.3e}", report.settings.reach);
+    let neighbours = match (by, matched) {
+        (_, 0) => format!("all {by} edges by their numbers in the file"),
+        (0, _) => format!("the file names none; {matched} edges {matching}"),
+        _ => format!("{by} edges by their numbers in the file, {matched} that it does not name {matching}"),
+    };
     vec![
         format!(
-            "limits: gap ≤ {}, angle ≤ {}°, curvature {curvature}; flat below {:.2e}",
-            limits.gap, limits.angle_deg, report.settings.flat
+            "limits: gap ≤ {gap}, angle ≤ {}°, curvature {curvature}; flat below {:.2e}",
+            limits.angle_deg, report.settings.flat
         ),
-        format!(
-            "neighbours: {by} edges by their numbers in the file, {matched} by matching borders within {:.3e}",
-            report.settings.reach
-        ),
+        format!("neighbours: {neighbours}"),
     ]
 }
 

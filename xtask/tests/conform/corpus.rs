@@ -3,7 +3,8 @@
 use raycast::Caster;
 use scene::Viewport;
 use std::collections::BTreeSet;
-use xtask::conform::corpus::{SCENES, Shard, Suite, command_options};
+use xtask::conform::corpus::{SCENES, Suite, command_options};
+use xtask::conform::shard::Shard;
 use xtask::stage::Plan;
 
 #[test]

@@ -6,5 +6,6 @@ mod devtools;
 mod documents;
 mod faults;
 mod merging;
+mod own;
 mod setting;
 mod xsd;

@@ -5,9 +5,10 @@ use anyhow::Result;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};
-use xtask::conform::corpus::{Shard, Suite};
+use xtask::conform::corpus::Suite;
 use xtask::conform::merge;
 use xtask::conform::report::{Report, State};
+use xtask::conform::shard::Shard;
 
 /// The part of a whole report that a shard would have measured.
 fn shard(whole: &Report, index: usize, count: usize) -> (Report, PathBuf) {

@@ -5,9 +5,10 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
-use xtask::conform::corpus::{SCENES, Scene, Shard, Suite};
+use xtask::conform::corpus::{SCENES, Scene, Suite};
 use xtask::conform::report::{Case, Report, Subject};
 use xtask::conform::run::{Adapter, DrawError, Gpu, Plans};
+use xtask::conform::shard::Shard;
 use xtask::stage::Stage;
 
 /// Scenes that are quick and agree.

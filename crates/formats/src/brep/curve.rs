@@ -1,7 +1,7 @@
 //! Curves with the parameters that files give them: lines, conics and splines, in space or, with z = 0, in (u, v).
 
 use super::arc::{Arcs, bezier_knots};
-use super::frame::Frame;
+use super::frame::{Frame, Motion};
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, NurbsError, SpaceCurve};
 use std::f64::consts::TAU;
@@ -44,6 +44,27 @@ impl Curve {
         let last = points.len().saturating_sub(1);
         let knots = std::iter::once(0).chain(0..=last).chain(std::iter::once(last)).map(|k| k as f64).collect();
         Ok(Self::spline(SpaceCurve::new(KnotVector::new(1, knots)?, points, None)?, tolerance))
+    }
+
+    /// The curve elsewhere, with the same parameters.
+    ///
+    /// # Errors
+    /// Where points of a spline are moved too far.
+    pub fn moved(&self, motion: &Motion) -> Result<Self, NurbsError> {
+        let factor = motion.factor();
+        Ok(match self {
+            Self::Line { origin, direction } => {
+                Self::Line { origin: motion.point(*origin), direction: motion.vector(*direction) }
+            }
+            Self::Ellipse { frame, radii } => Self::Ellipse { frame: frame.moved(motion), radii: *radii * factor },
+            Self::Parabola { frame, focal } => Self::Parabola { frame: frame.moved(motion), focal: focal * factor },
+            Self::Hyperbola { frame, radii } => Self::Hyperbola { frame: frame.moved(motion), radii: *radii * factor },
+            Self::Spline { spline, is_closed } => {
+                let points: Vec<DVec3> = spline.points().map(|p| motion.point(p)).collect();
+                let spline = SpaceCurve::new(spline.knots().clone(), &points, spline.weights().as_deref())?;
+                Self::Spline { spline, is_closed: *is_closed }
+            }
+        })
     }
 
     pub fn point(&self, t: f64) -> DVec3 {

@@ -32,6 +32,12 @@ impl Frame {
         self.origin + self.x * local.x + self.y * local.y + self.z * local.z
     }
 
+    /// The frame whose x and y are where a move takes them; z is across both, also where the move mirrors.
+    pub fn moved(&self, motion: &Motion) -> Self {
+        let [x, y] = [self.x, self.y].map(|axis| motion.vector(axis) / motion.factor());
+        Self { origin: motion.point(self.origin), x, y, z: x.cross(y) }
+    }
+
     /// The coordinates in this frame of a point in space.
     pub fn local(&self, point: DVec3) -> DVec3 {
         let d = point - self.origin;

@@ -1,9 +1,9 @@
 //! Surfaces with the parameters that files give them: from (u, v) to space.
 
 use super::curve::Curve;
-use super::frame::Frame;
+use super::frame::{Frame, Motion};
 use glam::{DVec2, DVec3};
-use nurbs::Surface;
+use nurbs::{Direction, NurbsError, Surface};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A surface; angles are radians.
@@ -96,6 +96,42 @@ impl Shape {
             }
             _ => None,
         }
+    }
+
+    /// The surface elsewhere, with the parameters of each point but for lengths along lines and profiles; `None` where a
+    /// mirrored one is no surface of these kinds.
+    ///
+    /// # Errors
+    /// Where points of a spline are moved too far.
+    pub fn moved(&self, motion: &Motion) -> Result<Option<Self>, NurbsError> {
+        let factor = motion.factor();
+        Ok(Some(match self {
+            Self::Plane(frame) => Self::Plane(frame.moved(motion)),
+            Self::Revolved { frame, profile } => {
+                let profile = match profile {
+                    Profile::Curve(curve) => Profile::Curve(curve.moved(motion)?),
+                    // Heights count along the frame's z, which a mirror would turn.
+                    _ if motion.mirrors() => return Ok(None),
+                    Profile::Line { radius, slope } => Profile::Line { radius: radius * factor, slope: *slope },
+                    Profile::Arc { major, minor, range, is_closed } => Profile::Arc {
+                        major: major * factor,
+                        minor: minor * factor,
+                        range: *range,
+                        is_closed: *is_closed,
+                    },
+                };
+                Self::Revolved { frame: frame.moved(motion), profile }
+            }
+            Self::Extruded { curve, vector } => {
+                Self::Extruded { curve: curve.moved(motion)?, vector: motion.vector(*vector) }
+            }
+            Self::Spline { surface, closed } => {
+                let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
+                let points = surface.points().iter().map(|p| motion.point(*p)).collect();
+                let surface = Surface::new(u, v, points, surface.weights().map(<[f64]>::to_vec))?;
+                Self::Spline { surface, closed: *closed }
+            }
+        }))
     }
 
     pub fn point(&self, uv: DVec2) -> DVec3 {

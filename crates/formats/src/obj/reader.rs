@@ -2,16 +2,17 @@
 
 use super::element::{Basis, Element, Kind, Part};
 use super::statements::Statement;
-use crate::document::{Document, Note, NoteKind};
+use crate::document::{Attributes, Document, Note, NoteKind};
 use crate::error::{Cause, FormatError, shorten};
 use crate::format::file_name;
 use crate::place::Place;
 use crate::spline::Spline;
 use glam::{DVec3, DVec4};
 use nurbs::Surface;
-use scene::{Face, Model};
+use scene::{Face, FaceId, Model};
 use std::collections::BTreeMap;
 use std::str::FromStr;
+use std::sync::Arc;
 
 /// How often each control point of the file's curves may be used in loops, on average.
 const USES: usize = 16;
@@ -86,7 +87,7 @@ pub(super) struct Reader {
     /// Of `cstype`: the basis, or why it is not converted; whether weights count.
     basis: Option<(Result<Basis, String>, bool)>,
     degrees: Vec<usize>,
-    name: String,
+    name: Arc<str>,
     open: Option<Open>,
     /// `None` for one that could not be built, so that numbers stay.
     curves: Vec<Option<Spline>>,
@@ -95,7 +96,7 @@ pub(super) struct Reader {
     surfaces: Vec<Surface>,
     faces: Vec<(usize, Face)>,
     /// The line and the name of each surface of the file.
-    origins: Vec<(usize, String)>,
+    origins: Vec<(usize, Arc<str>)>,
     skipped: BTreeMap<&'static str, (usize, usize, &'static str)>,
     notes: Vec<Note>,
 }
@@ -162,7 +163,7 @@ impl Reader {
                 let weight = words.next().map_or(Ok(1.0), |word| number(Some(word)))?;
                 self.parameters.push(DVec3::new(u, v, weight));
             }
-            "g" | "o" => self.name = words.collect::<Vec<_>>().join(" "),
+            "g" | "o" => self.name = words.collect::<Vec<_>>().join(" ").into(),
             "cstype" => {
                 let first = words.next();
                 let is_rational = first == Some("rat");
@@ -348,6 +349,10 @@ impl Reader {
             self.notes.push(Note { kind, place, text: label + &text });
         }
         self.notes.sort_by_key(|note| if let Place::Line(line) = note.place { line } else { 0 });
-        Ok(Document { model, unit: None, notes: self.notes })
+        let attributes = (0..model.faces().len()).map(|index| {
+            let (_, name) = &self.origins[model.number_in_file(FaceId(index as u32))];
+            Attributes { name: Some(name.clone()).filter(|name| !name.is_empty()), ..Attributes::default() }
+        });
+        Ok(Document { attributes: attributes.collect(), model, unit: None, notes: self.notes })
     }
 }

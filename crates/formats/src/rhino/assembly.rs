@@ -7,14 +7,15 @@ use super::class::Class;
 use super::extrusion::Extrusion;
 use super::sheet::Sheet;
 use super::tables::{Record, Tables};
-use crate::document::{Document, Note, NoteKind};
+use crate::document::{Attributes, Colour, Document, Note, NoteKind};
 use crate::error::{Cause, FormatError, shorten};
 use crate::format::file_name;
 use crate::place::Place;
 use glam::{DMat3, DVec3};
 use nurbs::Surface;
-use scene::{Face, Model};
+use scene::{Face, FaceId, Model};
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 /// How deep blocks may stand in blocks.
 const DEEPEST: usize = 16;
@@ -31,8 +32,8 @@ struct Assembly<'t, 'a> {
     bodies: HashMap<usize, Body>,
     surfaces: Vec<Surface>,
     faces: Vec<(usize, Face)>,
-    /// The record of each face.
-    origins: Vec<usize>,
+    /// The record of each face, and what is said of it.
+    origins: Vec<(usize, Attributes)>,
     notes: Vec<Note>,
     /// The next edge of the model.
     next_edge: i64,
@@ -61,7 +62,7 @@ pub(super) fn document(mut tables: Tables, file: &str) -> Result<Document, Forma
     for (k, record) in tables.records.iter().enumerate() {
         let attributes = &record.attributes;
         if !attributes.is_in_block && !attributes.id.is_some_and(|id| in_blocks.contains(&id)) {
-            assembly.draw(k, &Placement::IDENTITY, 0);
+            assembly.draw(k, &Placement::IDENTITY, None, 0);
         }
     }
     let Assembly { surfaces, faces, origins, mut notes, .. } = assembly;
@@ -74,14 +75,15 @@ pub(super) fn document(mut tables: Tables, file: &str) -> Result<Document, Forma
     let model = Model::of_sound_faces(file_name(file), surfaces, faces, vec![])
         .map_err(|cause| FormatError::new(file, Place::File, Cause::Scene(cause)))?;
     for note in model.notes() {
-        let origin = note.face().and_then(|face| origins.get(face)).map(|k| &tables.records[*k]);
+        let origin = note.face().and_then(|face| origins.get(face)).map(|(k, _)| &tables.records[*k]);
         let mut note = Note::of_model(origin.map_or(Place::File, |record| Place::Byte(record.at)), note);
         if let Some(record) = origin {
             note.text = format!("{}: {}", label(record), note.text);
         }
         notes.push(note);
     }
-    Ok(Document { model, unit, notes })
+    let attributes = (0..model.faces().len()).map(|face| origins[model.number_in_file(FaceId(face as u32))].1.clone());
+    Ok(Document { attributes: attributes.collect(), model, unit, notes })
 }
 
 /// How an object is called in notes: by its class, its name and its identifier.
@@ -104,8 +106,8 @@ impl Assembly<'_, '_> {
         self.note(NoteKind::LeftOut, k, self.tables.records[k].at, text);
     }
 
-    /// Draws the object of record `k`, where it is visible.
-    fn draw(&mut self, k: usize, placement: &Placement, depth: usize) {
+    /// Draws the object of record `k`, where it is visible; `parent` is the colour of the reference that places it.
+    fn draw(&mut self, k: usize, placement: &Placement, parent: Option<Colour>, depth: usize) {
         let record = &self.tables.records[k];
         if record.attributes.is_hidden {
             return self.leave_out(k, "it is hidden");
@@ -116,8 +118,9 @@ impl Assembly<'_, '_> {
         if record.attributes.is_on_page {
             return self.leave_out(k, "it is on a page, not in space");
         }
+        let colour = self.tables.colour(&record.attributes, parent);
         if record.object.class == Class::InstanceReference {
-            return self.place(k, placement, depth);
+            return self.place(k, placement, colour, depth);
         }
         let is_new = !self.bodies.contains_key(&k);
         let body = match self.bodies.get(&k) {
@@ -134,7 +137,7 @@ impl Assembly<'_, '_> {
                         self.bodies.insert(k, body.clone());
                     }
                 }
-                self.add(k, body, placement);
+                self.add(k, body, placement, colour);
             }
             Err(fault) => {
                 // Said once, however often the object is placed.
@@ -147,7 +150,7 @@ impl Assembly<'_, '_> {
     }
 
     /// Draws the objects of the block that a reference places.
-    fn place(&mut self, k: usize, placement: &Placement, depth: usize) {
+    fn place(&mut self, k: usize, placement: &Placement, colour: Option<Colour>, depth: usize) {
         let record = &self.tables.records[k];
         let (block, own) = match reference(&mut record.object.data.clone()) {
             Ok(found) => found,
@@ -170,27 +173,30 @@ impl Assembly<'_, '_> {
             }
             self.placed += 1;
             match self.records.get(id) {
-                Some(part) => self.draw(*part, &placement, depth + 1),
+                Some(part) => self.draw(*part, &placement, colour, depth + 1),
                 None => self.leave_out(k, &format!("its block \"{}\" has no object {id}", shorten(&block.name))),
             }
         }
     }
 
-    fn add(&mut self, k: usize, body: Body, placement: &Placement) {
+    fn add(&mut self, k: usize, body: Body, placement: &Placement, colour: Option<Colour>) {
         let body = match body.placed(placement) {
             Ok(body) => body,
             Err(cause) => return self.leave_out(k, &cause.to_string()),
         };
         self.points += body.size();
         let (first_surface, first_edge) = (self.surfaces.len(), self.next_edge);
+        let name = &self.tables.records[k].attributes.name;
+        let name: Option<Arc<str>> = (!name.is_empty()).then(|| name.as_str().into());
         for mut face in body.faces {
+            let attributes = Attributes { name: name.clone(), colour, surface: body.kinds[face.surface] };
             face.surface += first_surface;
             for trim in face.loops.iter_mut().flat_map(|boundary| &mut boundary.trims) {
                 trim.edge = trim.edge.map(|edge| first_edge + edge);
                 self.next_edge = self.next_edge.max(trim.edge.map_or(0, |edge| edge + 1));
             }
             self.faces.push((self.origins.len(), face));
-            self.origins.push(k);
+            self.origins.push((k, attributes));
         }
         self.surfaces.extend(body.surfaces);
     }
@@ -204,7 +210,8 @@ fn body(record: &Record, tolerance: f64) -> Result<Body, Fault> {
         Class::Extrusion => Extrusion::read(object)?.body(tolerance),
         Class::NurbsSurface | Class::PlaneSurface | Class::RevSurface | Class::SumSurface => {
             let surface = Sheet::read(object, tolerance)?.surface;
-            Body { surfaces: vec![surface], faces: vec![Face { tolerance, ..Face::whole(0) }], remarks: vec![] }
+            let faces = vec![Face { tolerance, ..Face::whole(0) }];
+            Body { surfaces: vec![surface], kinds: vec![object.surface_kind()], faces, remarks: vec![] }
         }
         _ => return Err(Fault { at: record.at, text: "this class is not drawn".into() }),
     };

@@ -1,7 +1,7 @@
 //! What an object is drawn as: surfaces, faces on them, and what is to be known of those that are not drawn.
 
 use super::archive::Fault;
-use crate::document::NoteKind;
+use crate::document::{NoteKind, SurfaceKind};
 use glam::{DMat3, DVec3};
 use nurbs::{Direction, Surface};
 use scene::Face;
@@ -10,6 +10,8 @@ use scene::Face;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Body {
     pub surfaces: Vec<Surface>,
+    /// What each surface is in the file.
+    pub kinds: Vec<SurfaceKind>,
     /// Each on one of these surfaces.
     pub faces: Vec<Face>,
     pub remarks: Vec<Remark>,

@@ -77,6 +77,7 @@ pub(super) fn read(object: &Object, tolerance: f64) -> Result<Body, Fault> {
                 face.surface = *index[surface].get_or_insert(next);
                 if face.surface == next {
                     body.surfaces.extend(sheets[surface].as_ref().ok().map(|sheet| sheet.surface.clone()));
+                    body.kinds.extend(lists.surfaces[surface].as_ref().map(Object::surface_kind));
                 }
                 body.faces.push(face);
                 if slits > 0 {

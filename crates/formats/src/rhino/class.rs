@@ -1,6 +1,7 @@
 //! The classes of objects, by their identifiers in the file.
 
 use super::archive::{Cursor, Fault, Uuid, code};
+use crate::document::SurfaceKind;
 
 /// A class of openNURBS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,6 +101,17 @@ impl<'a> Object<'a> {
         let uuid = content.content(code::CLASS_UUID)?.uuid()?;
         let data = content.content(code::CLASS_DATA)?;
         Ok(Self { class: Class::of(uuid), uuid, data })
+    }
+
+    /// What kind of surface it is.
+    pub fn surface_kind(&self) -> SurfaceKind {
+        match self.class {
+            Class::PlaneSurface => SurfaceKind::Plane,
+            Class::RevSurface => SurfaceKind::Revolution,
+            Class::SumSurface => SurfaceKind::Sum,
+            Class::Extrusion => SurfaceKind::Extrusion,
+            _ => SurfaceKind::Spline,
+        }
     }
 
     /// How its class is called in messages.

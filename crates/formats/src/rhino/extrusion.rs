@@ -5,6 +5,7 @@ use super::body::{Body, Remark};
 use super::class::Object;
 use super::curve::{Curve, joined, pieces};
 use super::sheet::Sheet;
+use crate::document::SurfaceKind;
 use crate::spline::area;
 use glam::{DMat3, DVec2, DVec3, DVec4};
 use scene::{Face, Loop, Trim};
@@ -80,8 +81,9 @@ impl Extrusion {
     /// transposed, as openNURBS makes it.
     pub fn body(&self, tolerance: f64) -> Body {
         let mut body = Body::default();
-        let mut add = |part: &str, face: Result<(Sheet, Face), Fault>| match face {
+        let mut add = |part: &str, kind: SurfaceKind, face: Result<(Sheet, Face), Fault>| match face {
             Ok((sheet, face)) => {
+                body.kinds.push(kind);
                 body.faces.push(Face { surface: body.surfaces.len(), tolerance, ..face });
                 body.surfaces.push(sheet.surface);
             }
@@ -94,7 +96,11 @@ impl Extrusion {
         for (k, profile) in self.profiles.iter().enumerate() {
             for piece in profile {
                 let reversed = is_capped && is_wrong(k);
-                add("a wall", self.side(piece).map(|sheet| (sheet, Face { reversed, ..Face::whole(0) })));
+                add(
+                    "a wall",
+                    SurfaceKind::Extrusion,
+                    self.side(piece).map(|sheet| (sheet, Face { reversed, ..Face::whole(0) })),
+                );
             }
         }
         for (k, name) in ["the cap at the start", "the cap at the end"].into_iter().enumerate() {
@@ -110,6 +116,7 @@ impl Extrusion {
                 let loops = self.profiles.iter().enumerate().map(boundary).collect();
                 add(
                     name,
+                    SurfaceKind::Plane,
                     self.cap(k).map(|sheet| {
                         (sheet, Face { reversed: (k == 0) ^ self.is_transposed, loops, ..Face::whole(0) })
                     }),

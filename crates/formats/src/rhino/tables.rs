@@ -3,7 +3,7 @@
 use super::archive::{Cursor, Fault, Uuid, code};
 use super::body::Remark;
 use super::class::{Class, Object};
-use crate::document::{NoteKind, Unit};
+use crate::document::{Colour, NoteKind, Unit};
 use std::collections::HashMap;
 
 /// What stands in the tables.
@@ -24,6 +24,7 @@ pub(super) struct Layer {
     index: i32,
     pub name: String,
     is_hidden: bool,
+    colour: Colour,
     id: Uuid,
     parent: Uuid,
 }
@@ -55,6 +56,16 @@ pub(super) struct Attributes {
     pub is_in_block: bool,
     /// Whether it is on a page of a layout, not in space.
     pub is_on_page: bool,
+    /// Its own colour; whether that counts, its source says.
+    colour: Option<Colour>,
+    colour_source: u8,
+}
+
+/// Where an object's colour comes from, as numbered in the file.
+mod colour_source {
+    pub const LAYER: u8 = 0;
+    pub const OBJECT: u8 = 1;
+    pub const PARENT: u8 = 3;
 }
 
 /// How an object is shown, as numbered in the file: the low four bits of its mode.
@@ -170,6 +181,19 @@ impl<'a> Tables<'a> {
         self.layers.iter().find(|layer| layer.index == attributes.layer)
     }
 
+    /// The colour in which an object is drawn, `parent` being that of the reference that places it; `None` where a material says
+    /// it.
+    pub fn colour(&self, attributes: &Attributes, parent: Option<Colour>) -> Option<Colour> {
+        let of_layer = || self.layer(attributes).map(|layer| layer.colour);
+        match attributes.colour_source {
+            colour_source::LAYER => of_layer(),
+            colour_source::OBJECT => attributes.colour,
+            // Outside of blocks there is no parent, and the layer says it.
+            colour_source::PARENT => parent.or_else(of_layer),
+            _ => None,
+        }
+    }
+
     /// The layer that hides an object: its own, or one above that.
     pub fn hiding_layer(&self, attributes: &Attributes) -> Option<&Layer> {
         let mut layer = self.layer(attributes)?;
@@ -193,9 +217,13 @@ fn layer(mut record: Cursor) -> Result<Layer, Fault> {
     let minor = data.packed_version(1)?;
     let mode = data.i32()?;
     let index = data.i32()?;
-    // IGES level, material, an obsolete number, the colour, an obsolete line style.
-    data.skip(4 * 4 + 2 * 2 + 2 * 8)?;
-    let mut layer = Layer { index, name: data.string()?, is_hidden: mode == 1, id: Uuid::NIL, parent: Uuid::NIL };
+    // IGES level, material, an obsolete number.
+    data.skip(3 * 4)?;
+    let colour = colour(&mut data)?;
+    // An obsolete line style.
+    data.skip(2 * 2 + 2 * 8)?;
+    let mut layer =
+        Layer { index, name: data.string()?, is_hidden: mode == 1, colour, id: Uuid::NIL, parent: Uuid::NIL };
     if minor >= 1 {
         layer.is_hidden |= data.u8()? == 0;
     }
@@ -205,6 +233,13 @@ fn layer(mut record: Cursor) -> Result<Layer, Fault> {
         (layer.id, layer.parent) = (data.uuid()?, data.uuid()?);
     }
     Ok(layer)
+}
+
+/// A colour: red, green, blue, and how transparent it is.
+fn colour(data: &mut Cursor) -> Result<Colour, Fault> {
+    let parts = [data.u8()?, data.u8()?, data.u8()?];
+    data.skip(1)?;
+    Ok(Colour(parts))
 }
 
 /// How a block is linked, as numbered in the file.
@@ -271,11 +306,15 @@ impl Attributes {
     fn in_order(data: &mut Cursor) -> Result<Self, Fault> {
         let minor = data.packed_version(1)?;
         let mut attributes = Self { id: Some(data.uuid()?), layer: data.i32()?, ..Self::default() };
-        // Material, colour, an obsolete line style, wire density.
-        data.skip(4 + 4 + 2 * 2 + 2 * 8 + 4)?;
+        // A material.
+        data.skip(4)?;
+        attributes.colour = Some(colour(data)?);
+        // An obsolete line style, wire density.
+        data.skip(2 * 2 + 2 * 8 + 4)?;
         attributes.set_mode(data.u8()?);
-        // Where colour, line and material come from.
-        data.skip(3)?;
+        attributes.colour_source = data.u8()?;
+        // Where line and material come from.
+        data.skip(2)?;
         attributes.name = data.string()?;
         if minor >= 2 {
             // An address, and groups.
@@ -296,9 +335,10 @@ impl Attributes {
                 2 => {
                     data.string()?;
                 }
-                3 | 4 | 6 | 7 | 10 => {
+                3 | 4 | 7 | 10 => {
                     data.skip(4)?;
                 }
+                6 => attributes.colour = Some(colour(data)?),
                 // How it is rendered, in a chunk of its own.
                 5 => {
                     data.chunk()?;
@@ -306,9 +346,10 @@ impl Attributes {
                 8 => {
                     data.skip(8)?;
                 }
-                9 | 13..=17 => {
+                9 | 14..=17 => {
                     data.skip(1)?;
                 }
+                13 => attributes.colour_source = data.u8()?,
                 11 => attributes.is_hidden |= data.u8()? == 0,
                 12 => attributes.set_mode(data.u8()?),
                 18 => {

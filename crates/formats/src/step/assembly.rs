@@ -1,16 +1,20 @@
-//! What a file shows, and where: its representations, placed in each other as the product structure says.
+//! What a file shows, and where: its representations, placed in each other as the product structure says ([`Structure`]).
 //!
-//! A representation holds items in coordinates of its own. It stands in another one by a relationship with a
-//! transformation, by a MAPPED_ITEM, or, without a transformation, as the same thing. Those that stand in no other are
-//! the roots, and from each of them all is reached that is drawn.
+//! A representation holds items in coordinates of its own. Those that stand in no other are the roots, and from each of
+//! them all is reached that is drawn. Name, colour and visibility are those of the innermost part that says them: a face,
+//! its shell, its body, its product.
 
 use super::fault::{Fault, fault};
 use super::geometry::Geometry;
 use super::p21::Instances;
+use super::structure::{Child, REPRESENTATIONS, Structure};
+use super::styles::Styles;
 use super::units::Units;
-use crate::brep::frame::{Frame, Motion};
+use crate::brep::frame::Motion;
+use crate::document::Attributes;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// How deep representations may stand in each other.
 const DEEPEST: usize = 64;
@@ -19,29 +23,6 @@ const DEEPEST: usize = 64;
 /// entered: so many, and one more for so many bytes of the file. Each level of an assembly may double what a few bytes show.
 const FACES: usize = 1 << 14;
 const BYTES_A_FACE: usize = 64;
-
-/// Keywords of representations of shapes.
-pub(super) const REPRESENTATIONS: [&str; 10] = [
-    "SHAPE_REPRESENTATION",
-    "ADVANCED_BREP_SHAPE_REPRESENTATION",
-    "FACETED_BREP_SHAPE_REPRESENTATION",
-    "MANIFOLD_SURFACE_SHAPE_REPRESENTATION",
-    "GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION",
-    "NON_MANIFOLD_SURFACE_SHAPE_REPRESENTATION",
-    "ELEMENTARY_BREP_SHAPE_REPRESENTATION",
-    "TESSELLATED_SHAPE_REPRESENTATION",
-    "SHAPE_REPRESENTATION_WITH_PARAMETERS",
-    "REPRESENTATION",
-];
-
-/// Keywords of what places representations in each other.
-pub(super) const RELATIONS: [&str; 5] = [
-    "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION",
-    "SHAPE_REPRESENTATION_RELATIONSHIP",
-    "REPRESENTATION_RELATIONSHIP",
-    "SHAPE_DEFINITION_REPRESENTATION",
-    "REPRESENTATION_MAP",
-];
 
 /// A face, or a surface that stands by itself, at a place.
 #[derive(Debug, Clone)]
@@ -54,6 +35,8 @@ pub(super) struct Placed {
     pub context: Option<u64>,
     /// Which of the placed representations it is in: faces share edges only within one.
     pub instance: usize,
+    /// Its name and colour.
+    pub attributes: Attributes,
 }
 
 /// What is shown of a file.
@@ -62,20 +45,28 @@ pub(super) struct Assembly {
     pub placed: Vec<Placed>,
     /// The unit of the coordinates of the whole: the first root's.
     pub context: Option<u64>,
+    /// How many faces no representation shows, and the first of them; they are placed where they stand.
+    pub lost: Option<(usize, u64)>,
     pub faults: Vec<Fault>,
     instances: usize,
+    /// Faces that are invisible.
+    hidden: BTreeSet<u64>,
 }
 
-/// How a representation stands in another.
-#[derive(Debug, Clone)]
-struct Child {
-    representation: u64,
-    motion: Motion,
+/// What is said of the part of the file that is being walked.
+#[derive(Debug, Clone, Default)]
+struct Owner {
+    attributes: Attributes,
+    is_hidden: bool,
 }
 
 struct Walk<'f, 'b> {
     instances: &'f Instances<'b>,
-    children: BTreeMap<u64, Vec<Child>>,
+    structure: Structure,
+    styles: Styles,
+    owner: Owner,
+    /// The labels of items, and the products of representations, each read once: a file may place one in many places.
+    labels: BTreeMap<u64, Option<Arc<str>>>,
     contexts: BTreeMap<Option<u64>, Units>,
     assembly: Assembly,
     /// The representations that are being entered.
@@ -88,15 +79,19 @@ struct Walk<'f, 'b> {
 }
 
 impl Assembly {
-    /// Follows the product structure; `of` lists the instances of each keyword of [`REPRESENTATIONS`] and [`RELATIONS`].
+    /// Follows the product structure; `of` lists the instances of each keyword of [`REPRESENTATIONS`], of
+    /// [`RELATIONS`](super::structure::RELATIONS) and [`STYLES`](super::styles::STYLES), and of ADVANCED_FACE.
     pub fn new(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>) -> Self {
         let mut faults = vec![];
-        let (children, inner) = relations(instances, of, &mut faults);
+        let structure = Structure::new(instances, of, &mut faults);
         let assembly = Self { faults, ..Self::default() };
         let most = FACES + instances.bytes() / BYTES_A_FACE;
         let mut walk = Walk {
             instances,
-            children,
+            structure,
+            styles: Styles::new(instances, of),
+            owner: Owner::default(),
+            labels: BTreeMap::new(),
             contexts: BTreeMap::new(),
             assembly,
             path: vec![],
@@ -105,110 +100,46 @@ impl Assembly {
             is_full: false,
         };
         let mut all: BTreeSet<u64> = REPRESENTATIONS.iter().flat_map(|keyword| of[keyword].iter().copied()).collect();
-        all.retain(|number| !inner.contains(number));
+        all.retain(|number| !walk.structure.inner.contains(number));
         for root in all {
             walk.enter(root, &Motion::IDENTITY, None);
+        }
+        let reached: BTreeSet<u64> = walk.assembly.placed.iter().map(|placed| placed.number).collect();
+        let is_lost = |number: &u64| !reached.contains(number) && !walk.assembly.hidden.contains(number);
+        let lost: Vec<u64> = of["ADVANCED_FACE"].iter().copied().filter(is_lost).collect();
+        walk.assembly.lost = lost.first().map(|first| (lost.len(), *first));
+        for number in lost {
+            walk.place(number, &Motion::IDENTITY, false, walk.assembly.context, usize::MAX);
         }
         walk.assembly
     }
 }
 
-/// The representations that stand in each, and all that stand in any.
-fn relations(
-    instances: &Instances,
-    of: &BTreeMap<&'static str, Vec<u64>>,
-    faults: &mut Vec<Fault>,
-) -> (BTreeMap<u64, Vec<Child>>, BTreeSet<u64>) {
-    let (mut children, mut inner): (BTreeMap<u64, Vec<Child>>, BTreeSet<u64>) = Default::default();
-    let mut add = |parent: u64, representation: u64, motion: Motion| {
-        children.entry(parent).or_default().push(Child { representation, motion });
-        inner.insert(representation);
-    };
-    let mapped = |map: &u64| instances.get(*map)?.parameters().reference(1).ok();
-    let mapped: Vec<u64> = of["REPRESENTATION_MAP"].iter().filter_map(mapped).collect();
-    // The product definition that a representation shows.
-    let mut shown: BTreeMap<u64, u64> = BTreeMap::new();
-    for number in &of["SHAPE_DEFINITION_REPRESENTATION"] {
-        let pair = instances.get(*number).and_then(|entity| {
-            let own = entity.parameters();
-            let definition = instances.get(own.reference(0).ok()?)?;
-            Some((own.reference(1).ok()?, definition.parameters().reference(2).ok()?))
-        });
-        shown.extend(pair);
-    }
-    let mut placed: BTreeSet<u64> = BTreeSet::new();
-    for number in &of["CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"] {
-        let Some(entity) = instances.get(*number) else { continue };
-        let own = entity.parameters();
-        let (Ok(relation), Ok(shape)) = (own.reference(0), own.reference(1)) else { continue };
-        placed.insert(relation);
-        match related(instances, relation) {
-            Ok((mut child, mut parent, motion)) => {
-                let mut motion = motion;
-                // The usage says which of the two is the part, whatever their order.
-                let usage = instances.get(shape).and_then(|shape| {
-                    let usage = instances.get(shape.parameters().reference(2).ok()?)?;
-                    let own = usage.parameters();
-                    Some((own.reference(3).ok()?, own.reference(4).ok()?))
-                });
-                if let Some((whole, part)) = usage
-                    && shown.get(&child) == Some(&whole)
-                    && shown.get(&parent) == Some(&part)
-                {
-                    (child, parent, motion) = (parent, child, motion.inverse());
-                }
-                add(parent, child, motion);
-            }
-            Err(fault) => faults.push(fault),
-        }
-    }
-    let relations = of["SHAPE_REPRESENTATION_RELATIONSHIP"].iter().chain(&of["REPRESENTATION_RELATIONSHIP"]);
-    for number in relations.copied().collect::<BTreeSet<u64>>() {
-        if placed.contains(&number) {
-            continue;
-        }
-        match related(instances, number) {
-            // The shape of a product, and the bodies of the same.
-            Ok((first, second, motion)) => {
-                let is_body = |number: u64| instances.keyword(number) != "SHAPE_REPRESENTATION";
-                if is_body(first) && !is_body(second) {
-                    add(second, first, motion);
-                } else {
-                    add(first, second, motion.inverse());
-                }
-            }
-            Err(fault) => faults.push(fault),
-        }
-    }
-    inner.extend(mapped);
-    (children, inner)
-}
-
-/// The two representations of a relationship, and the move from the first one's coordinates to the second's.
-fn related(instances: &Instances, number: u64) -> Result<(u64, u64, Motion), Fault> {
-    let work = Cell::new(usize::MAX);
-    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0, work: &work };
-    let entity = geometry.get(number)?;
-    let own = match entity.part("REPRESENTATION_RELATIONSHIP") {
-        Some(part) => part,
-        None => entity.parameters(),
-    };
-    let (first, second) = (own.reference(2)?, own.reference(3)?);
-    let Some(part) = entity.part("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION") else {
-        return Ok((first, second, Motion::IDENTITY));
-    };
-    let transformation = geometry.get(part.reference(0)?)?;
-    if transformation.keyword() != "ITEM_DEFINED_TRANSFORMATION" {
-        return Ok((first, second, geometry.motion(transformation.number)?));
-    }
-    let own = transformation.parameters();
-    let frame = |at: usize| -> Result<Frame, Fault> { geometry.placement(own.reference(at)?) };
-    Ok((first, second, Motion::between(&frame(2)?, &frame(3)?)))
-}
-
 impl Walk<'_, '_> {
     fn fail(&mut self, number: u64, why: &str) {
         self.assembly.faults.push(fault(number, why));
+    }
+
+    /// Walks what an instance is made of: name, colour and visibility are its own where a part says nothing else.
+    fn within(&mut self, number: u64, name: Option<Arc<str>>, walk: impl FnOnce(&mut Self)) {
+        let outer = self.owner.clone();
+        self.owner.attributes.name = name.or_else(|| outer.attributes.name.clone());
+        self.owner.attributes.colour = self.styles.colour(number).or(outer.attributes.colour);
+        let hidden_by = self.styles.hidden_by(number).filter(|_| !outer.is_hidden).map(str::to_owned);
+        self.owner.is_hidden |= hidden_by.is_some();
+        let before = self.assembly.hidden.len();
+        walk(self);
+        // What draws nothing anyhow, a curve or a point, is no loss.
+        if let Some(why) = hidden_by.filter(|_| before < self.assembly.hidden.len()) {
+            self.fail(number, &why);
+        }
+        self.owner = outer;
+    }
+
+    /// The label of an item.
+    fn label(&mut self, number: u64) -> Option<Arc<str>> {
+        let read = || self.instances.get(number)?.parameters().name(0);
+        self.labels.entry(number).or_insert_with(read).clone()
     }
 
     fn units(&mut self, context: Option<u64>) -> &Units {
@@ -248,12 +179,18 @@ impl Walk<'_, '_> {
         self.path.push(number);
         let instance = self.assembly.instances;
         self.assembly.instances += 1;
-        for item in items {
-            self.item(item, &scaled, context, instance);
-        }
-        for Child { representation, motion: inner } in self.children.get(&number).cloned().unwrap_or_default() {
-            self.enter(representation, &scaled.after(&inner), context);
-        }
+        let read = || self.structure.product(self.instances, number);
+        let product = self.labels.entry(number).or_insert_with(read).clone();
+        self.within(number, product, |walk| {
+            for item in items {
+                let label = walk.label(item);
+                walk.within(item, label, |walk| walk.item(item, &scaled, context, instance));
+            }
+            let children = walk.structure.children.get(&number).cloned().unwrap_or_default();
+            for Child { representation, motion: inner } in children {
+                walk.enter(representation, &scaled.after(&inner), context);
+            }
+        });
         self.path.pop();
     }
 
@@ -334,19 +271,29 @@ impl Walk<'_, '_> {
                 self.fail(number, "it names no faces");
                 continue;
             };
-            for face in faces {
-                self.place(face, motion, reversed, context, instance);
-            }
+            let label = self.label(number);
+            self.within(number, label, |walk| {
+                for face in faces {
+                    walk.place(face, motion, reversed, context, instance);
+                }
+            });
         }
     }
 
     fn place(&mut self, number: u64, motion: &Motion, reversed: bool, context: Option<u64>, instance: usize) {
-        if self.assembly.placed.len() < self.most {
-            self.assembly.placed.push(Placed { number, motion: *motion, reversed, context, instance });
-        } else if !self.is_full {
-            self.is_full = true;
-            self.fail(number, TOO_MANY);
-        }
+        let label = self.label(number);
+        self.within(number, label, |walk| {
+            if walk.owner.is_hidden {
+                walk.assembly.hidden.insert(number);
+            } else if walk.assembly.placed.len() < walk.most {
+                let attributes = walk.owner.attributes.clone();
+                let placed = Placed { number, motion: *motion, reversed, context, instance, attributes };
+                walk.assembly.placed.push(placed);
+            } else if !walk.is_full {
+                walk.is_full = true;
+                walk.fail(number, TOO_MANY);
+            }
+        });
     }
 }
 

@@ -8,6 +8,7 @@ use crate::brep::curve::Curve;
 use crate::brep::frame::{Frame, Motion};
 use crate::brep::path::Piece;
 use crate::brep::shape::{Profile, Shape};
+use crate::document::SurfaceKind;
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, NurbsError, SpaceCurve, Surface};
 use std::cell::Cell;
@@ -21,6 +22,31 @@ const MOST_PIECES: usize = 1 << 16;
 /// Keywords of curves that are made of segments.
 const COMPOSITES: [&str; 4] =
     ["COMPOSITE_CURVE", "COMPOSITE_CURVE_ON_SURFACE", "BOUNDARY_CURVE", "OUTER_BOUNDARY_CURVE"];
+
+/// What kind the surface of a face is, or a surface itself: that which is trimmed, where it is a trimmed one.
+pub(super) fn kind(instances: &Instances, number: u64) -> SurfaceKind {
+    let mut number = number;
+    for _ in 0..DEEPEST {
+        let at = match instances.keyword(number) {
+            "ADVANCED_FACE" | "FACE_SURFACE" => 2,
+            "RECTANGULAR_TRIMMED_SURFACE" | "CURVE_BOUNDED_SURFACE" | "SURFACE_REPLICA" => 1,
+            "PLANE" => return SurfaceKind::Plane,
+            "CYLINDRICAL_SURFACE" => return SurfaceKind::Cylinder,
+            "CONICAL_SURFACE" => return SurfaceKind::Cone,
+            "SPHERICAL_SURFACE" => return SurfaceKind::Sphere,
+            "TOROIDAL_SURFACE" | "DEGENERATE_TOROIDAL_SURFACE" => return SurfaceKind::Torus,
+            "SURFACE_OF_REVOLUTION" => return SurfaceKind::Revolution,
+            "SURFACE_OF_LINEAR_EXTRUSION" => return SurfaceKind::Extrusion,
+            "OFFSET_SURFACE" => return SurfaceKind::Offset,
+            _ => break,
+        };
+        match instances.get(number).and_then(|entity| entity.parameters().reference(at).ok()) {
+            Some(basis) => number = basis,
+            None => break,
+        }
+    }
+    SurfaceKind::Spline
+}
 
 /// The geometry of a file, in the units of one representation context.
 #[derive(Debug, Clone, Copy)]
@@ -163,6 +189,10 @@ impl<'b> Geometry<'_, 'b> {
             "TRIMMED_CURVE" | "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => {
                 self.curve_within(own.reference(1)?, depth + 1)
             }
+            "CURVE_REPLICA" => {
+                let curve = self.curve_within(own.reference(1)?, depth + 1)?;
+                curve.moved(&self.motion(own.reference(2)?)?).map_err(wrong)
+            }
             _ if entity.is("BOUNDED_SURFACE_CURVE") || entity.is("SURFACE_CURVE") => {
                 let part = entity.part("SURFACE_CURVE").ok_or_else(|| fault(number, "it has no curve in space"))?;
                 self.curve_within(part.reference(0)?, depth + 1)
@@ -186,7 +216,7 @@ impl<'b> Geometry<'_, 'b> {
     pub fn is_composite(&self, number: u64) -> bool {
         let Some(entity) = self.instances.get(number) else { return false };
         match entity.keyword() {
-            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => {
+            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" | "CURVE_REPLICA" => {
                 let inner = entity.parameters().optional_reference(1);
                 inner.is_some_and(|inner| COMPOSITES.contains(&self.instances.keyword(inner)))
             }
@@ -243,6 +273,14 @@ impl<'b> Geometry<'_, 'b> {
                 Ok(vec![(Piece { curve, range }, reversed)])
             }
             "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => self.pieces_within(own.reference(1)?, depth + 1),
+            "CURVE_REPLICA" => {
+                let motion = self.motion(own.reference(2)?)?;
+                let moved = |(piece, reversed): (Piece, bool)| {
+                    let curve = piece.curve.moved(&motion).map_err(|cause| fault(number, cause.to_string()))?;
+                    Ok((Piece { curve, ..piece }, reversed))
+                };
+                self.pieces_within(own.reference(1)?, depth + 1)?.into_iter().map(moved).collect()
+            }
             _ => {
                 let curve = self.curve_within(number, depth)?;
                 let range = curve.domain().or(curve.period().map(|period| [0.0, period]));
@@ -300,6 +338,15 @@ impl<'b> Geometry<'_, 'b> {
                 let basis = self.surface_within(own.reference(1)?, depth + 1)?;
                 let offset = basis.offset(own.number(2)?);
                 offset.ok_or_else(|| fault(number, "the offset of a surface of this kind is not read"))
+            }
+            "SURFACE_REPLICA" => {
+                let parent = own.reference(1)?;
+                if ["RECTANGULAR_TRIMMED_SURFACE", "CURVE_BOUNDED_SURFACE"].contains(&self.instances.keyword(parent)) {
+                    return Err(fault(number, "the replica of a trimmed surface is not read"));
+                }
+                let moved = self.surface_within(parent, depth + 1)?.moved(&self.motion(own.reference(2)?)?);
+                let moved = moved.map_err(wrong)?;
+                moved.ok_or_else(|| fault(number, "the mirrored replica of a surface of this kind is not read"))
             }
             "RECTANGULAR_TRIMMED_SURFACE" | "CURVE_BOUNDED_SURFACE" => {
                 self.surface_within(own.reference(1)?, depth + 1)

@@ -1,6 +1,7 @@
 //! Units and uncertainty of a representation context.
 
 use super::p21::Instances;
+use super::text::decode;
 use super::value::Parameters;
 use crate::document::Unit;
 
@@ -63,7 +64,7 @@ fn unit_of(instances: &Instances, number: u64, base: f64, depth: usize) -> Optio
     } else {
         let own = entity.part("CONVERSION_BASED_UNIT")?;
         let own = if entity.parts.len() == 1 { own.from(1) } else { own };
-        let name = String::from_utf8_lossy(own.text(0)?).to_lowercase();
+        let name = decode(own.text(0)?).to_lowercase();
         let factor = instances.get(own.reference(1).ok()?)?;
         let factor = factor.parameters();
         let (_, unit) = unit_of(instances, factor.reference(1).ok()?, base, depth + 1)?;

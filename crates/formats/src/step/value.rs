@@ -1,6 +1,8 @@
 //! The parameters of an instance, parsed from its text.
 
 use super::fault::{Fault, fault};
+use super::text::decode;
+use std::sync::Arc;
 
 /// How deep lists may be nested.
 const DEEPEST: usize = 32;
@@ -111,6 +113,13 @@ impl<'e, 'b> Parameters<'e, 'b> {
             Value::Text(text) => Some(text),
             _ => None,
         }
+    }
+
+    /// A text that names something, decoded; `None` where it is blank, or what some write for that: `NONE`.
+    pub fn name(self, at: usize) -> Option<Arc<str>> {
+        let text = decode(self.text(at)?);
+        let name = text.trim();
+        (!name.is_empty() && name != "NONE").then(|| name.into())
     }
 
     pub fn list(self, at: usize) -> Result<&'e [Value<'b>], Fault> {

@@ -256,3 +256,14 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_surface_has_the_name_of_the_group_or_the_object_before_it() {
+    let patch = "surf 0 1 0 1 1 2 3 4\nparm u 0 1\nparm v 0 1\nend\n";
+    let text = format!(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\ncstype bezier\ndeg 1 1\n{patch}g left wing\n{patch}o tail\n{patch}"
+    );
+    let document = read(&text).unwrap();
+    let names: Vec<Option<&str>> = document.attributes.iter().map(|said| said.name.as_deref()).collect();
+    assert_eq!(names, [None, Some("left wing"), Some("tail")]);
+}

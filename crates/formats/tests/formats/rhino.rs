@@ -272,3 +272,25 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_face_has_its_objects_name_and_the_colour_that_its_source_says() {
+    for version in [4, 8] {
+        let path = root().join(format!("testdata/3dm/colours-{version}.3dm"));
+        let document = open(path).unwrap_or_else(|e| panic!("{e}"));
+        let said = document.attributes.iter().map(|said| (said.name.as_deref().unwrap(), said.colour.map(|c| c.0)));
+        let answers = answers_of("colours");
+        let colour = |answer: &Value| -> Option<[u8; 3]> { serde_json::from_value(answer["colour"].clone()).unwrap() };
+        let expected = answers.iter().map(|answer| (answer["name"].as_str().unwrap(), colour(answer)));
+        assert_eq!(said.collect::<Vec<_>>(), expected.collect::<Vec<_>>(), "version {version}");
+    }
+    for version in 3..=8 {
+        let document = open(parts(version)).unwrap();
+        let names = document.attributes.iter().map(|said| said.name.as_deref().unwrap());
+        let answers = answers();
+        let objects = answers.iter().map(|answer| answer["object"].as_str().unwrap());
+        // The answers call what a block shows by the reference that places it.
+        let expected = objects.map(|name| if name.contains("bolt") { "shank" } else { name });
+        assert_eq!(names.collect::<Vec<_>>(), expected.collect::<Vec<_>>(), "version {version}");
+    }
+}

@@ -1,5 +1,6 @@
 //! STEP files through the public interface.
 
+mod attributes;
 mod bad_input;
 mod cases;
 mod closed_forms;
@@ -9,6 +10,7 @@ mod common;
 #[path = "../formats/green.rs"]
 mod green;
 mod oracle;
+mod replicas;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;
 mod solids;
