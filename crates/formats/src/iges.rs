@@ -15,6 +15,7 @@ mod entities;
 mod fault;
 mod geometry;
 mod global;
+mod looks;
 mod ruled;
 mod sheet;
 mod spline;
@@ -103,7 +104,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     for placed in &assembly.placed {
         *uses.entry(placed.number).or_default() += 1;
     }
-    let (mut surfaces, mut faces, mut total) = (vec![], vec![], Total::default());
+    let (mut surfaces, mut faces, mut attributes, mut total) = (vec![], vec![], vec![], Total::default());
     let mut edges: BTreeMap<(usize, i64), i64> = BTreeMap::new();
     let mut faults = std::mem::take(&mut assembly.faults);
     let mut remarks: BTreeMap<u32, String> = BTreeMap::new();
@@ -121,6 +122,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
                     trim.edge = trim.edge.map(|edge| *edges.entry((placed.instance, edge)).or_insert(next));
                 }
                 surfaces.push(surface);
+                attributes.push(looks::looks(&entities, placed));
                 faces.push((placed.number as usize, face));
             }
             Err(fault) => faults.push(fault),
@@ -168,7 +170,9 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         };
         Note::of_model(face.map_or(Place::File, face_place), note)
     }));
-    Ok(Document { unit: global.unit, notes, ..Document::of_model(model) })
+    // Each face has a surface of its own.
+    let attributes = model.faces().iter().map(|face| attributes[face.surface].clone()).collect();
+    Ok(Document { model, unit: global.unit, attributes, notes })
 }
 
 /// A directory entry as a place: its line, its number, its type.

@@ -6,7 +6,7 @@ use super::geometry::Geometry;
 use super::sheet::SURFACES;
 use crate::brep::frame::Motion;
 use glam::DVec3;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How deep definitions may stand in each other.
 const DEEPEST: usize = 64;
@@ -34,6 +34,8 @@ pub(super) struct Placed {
     pub reversed: bool,
     /// Which of the placed bodies it is in: faces share edges only within one.
     pub instance: usize,
+    /// The solid or shell, else the group, else the definition that it is a part of.
+    pub holder: Option<u32>,
 }
 
 /// What is shown of a file.
@@ -53,6 +55,10 @@ struct Walk<'g, 'f, 'b> {
     assembly: Assembly,
     /// The definitions that are being entered.
     path: Vec<u32>,
+    /// The group that each member is in.
+    groups: BTreeMap<u32, u32>,
+    /// The body that is being entered: a solid, else a shell.
+    body: Option<u32>,
     entered: usize,
     most: usize,
     is_full: bool,
@@ -62,16 +68,26 @@ impl Assembly {
     pub fn new(geometry: &Geometry) -> Self {
         let entities = geometry.entities;
         let mut named = BTreeSet::new();
-        let mut grouped = BTreeSet::new();
+        let mut groups = BTreeMap::new();
         for entry in entities.entries() {
             // What cannot be read names nothing; where it is shown, its own fault is told.
             match entry.kind {
-                402 => grouped.extend(parts(geometry, entry).unwrap_or_default()),
+                402 => groups
+                    .extend(parts(geometry, entry).unwrap_or_default().into_iter().map(|part| (part, entry.number))),
                 _ => named.extend(parts(geometry, entry).unwrap_or_default()),
             }
         }
         let most = FACES + FACES_AN_ENTITY * entities.entries().len();
-        let mut walk = Walk { geometry, assembly: Self::default(), path: vec![], entered: 0, most, is_full: false };
+        let mut walk = Walk {
+            geometry,
+            groups,
+            assembly: Self::default(),
+            path: vec![],
+            body: None,
+            entered: 0,
+            most,
+            is_full: false,
+        };
         for entry in entities.entries() {
             let is_shown = match entry.kind {
                 186 | 408 | 514 => true,
@@ -81,7 +97,7 @@ impl Assembly {
                 continue;
             }
             let is_part = FACED.contains(&entry.kind) || SURFACES.contains(&entry.kind);
-            if entry.is_dependent && is_part && !grouped.contains(&entry.number) && !entry.is_blanked {
+            if entry.is_dependent && is_part && !walk.groups.contains_key(&entry.number) && !entry.is_blanked {
                 walk.assembly.orphans.push(entry.number);
             }
             walk.enter(entry.number, &Motion::IDENTITY, false, None);
@@ -150,9 +166,12 @@ impl Walk<'_, '_, '_> {
         self.assembly.instances = self.assembly.instances.max(instance + 1);
         match entry.kind {
             186 | 514 => {
+                let outer = self.body;
+                self.body = outer.or(Some(number));
                 if let Err(fault) = self.body(&entry, motion, reversed, instance) {
                     self.fail(fault);
                 }
+                self.body = outer;
             }
             408 => {
                 if let Err(fault) = self.subfigure(&entry, motion) {
@@ -167,7 +186,9 @@ impl Walk<'_, '_, '_> {
                 }
             }
             kind if FACED.contains(&kind) || SURFACES.contains(&kind) => {
-                self.assembly.placed.push(Placed { number, motion: *motion, reversed, instance });
+                let group = self.groups.get(&number).copied();
+                let holder = self.body.or(group).or(self.path.last().copied());
+                self.assembly.placed.push(Placed { number, motion: *motion, reversed, instance, holder });
             }
             kind if BODIES.contains(&kind) => self.fail(fault(number, "bodies of this type are not read")),
             // Curves, points, texts and properties say nothing of faces.

@@ -9,6 +9,7 @@ mod closed_forms;
 mod common;
 #[path = "../formats/green.rs"]
 mod green;
+mod looks;
 mod oracle;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;

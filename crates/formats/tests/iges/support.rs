@@ -1,6 +1,7 @@
 //! The table of support in the docs, against what the code lists and what files with each type show.
 
 use crate::cases::cases;
+use crate::common::root;
 use crate::table::assert_table_is_listed;
 use crate::writer::{INDEPENDENT, Writer, list};
 use formats::{FORMATS, Format, NoteKind, Support};
@@ -18,9 +19,12 @@ fn the_table_of_support_says_what_the_code_lists() {
 /// The corpus, all of which is drawn to rounding, has each type that the table does not leave out.
 #[test]
 fn the_corpus_has_each_type_that_is_read() {
+    let looks = std::fs::read_to_string(root().join("testdata/iges/looks.igs")).unwrap();
     let types: BTreeSet<String> = cases()
         .iter()
-        .flat_map(|case| case.text.lines().map(str::to_owned).collect::<Vec<_>>())
+        .map(|case| &case.text)
+        .chain([&looks])
+        .flat_map(|text| text.lines().map(str::to_owned).collect::<Vec<_>>())
         .filter(|line| line.as_bytes().get(72) == Some(&b'D'))
         .map(|line| line[..8].trim().to_owned())
         .collect();

@@ -1,0 +1,106 @@
+//! What a file says of a face beyond its shape: its name, its colour, and the kind of its surface.
+
+use super::assembly::Placed;
+use super::entities::{Entities, Entity};
+use super::value::Value;
+use crate::document::{Attributes, Colour, SurfaceKind};
+use std::sync::Arc;
+
+/// The colours that a directory entry may name by number, from 1: black, red, green, blue, yellow, magenta, cyan, white.
+const COLOURS: [[u8; 3]; 8] =
+    [[0, 0, 0], [255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 0], [255, 0, 255], [0, 255, 255], [255, 255, 255]];
+
+/// The form of a property (406) that is a name.
+const NAME: i16 = 15;
+
+/// A face's own looks, else those of its surface, else those of what holds it.
+pub(super) fn looks(entities: &Entities, placed: &Placed) -> Attributes {
+    let surface = basis(entities, placed.number);
+    let those = || [Some(placed.number), surface, placed.holder].into_iter().flatten();
+    Attributes {
+        name: those().find_map(|number| name(entities, number)),
+        colour: those().find_map(|number| colour(entities, number)),
+        surface: kind(entities, surface.unwrap_or(placed.number)),
+    }
+}
+
+/// The surface that a face names.
+fn basis(entities: &Entities, face: u32) -> Option<u32> {
+    let at = match entities.entry(face)?.kind {
+        143 => 2,
+        144 | 510 => 1,
+        _ => return None,
+    };
+    entities.get(face).ok()?.parameters().pointer(at).ok()
+}
+
+fn kind(entities: &Entities, surface: u32) -> SurfaceKind {
+    match entities.entry(surface).map_or(0, |entry| entry.kind) {
+        108 | 190 => SurfaceKind::Plane,
+        120 => SurfaceKind::Revolution,
+        122 => SurfaceKind::Extrusion,
+        140 => SurfaceKind::Offset,
+        192 => SurfaceKind::Cylinder,
+        194 => SurfaceKind::Cone,
+        196 => SurfaceKind::Sphere,
+        198 => SurfaceKind::Torus,
+        _ => SurfaceKind::Spline,
+    }
+}
+
+/// The colour that the directory entry names: by number, or by a pointer to a definition (314), whose parts are per cent.
+fn colour(entities: &Entities, number: u32) -> Option<Colour> {
+    let own = entities.entry(number)?.colour;
+    if own < 0 {
+        let definition = own.unsigned_abs();
+        entities.entry(definition).filter(|entry| entry.kind == 314)?;
+        let parts = entities.get(definition).ok()?.parameters().numbers(1, 3).ok()?;
+        return Colour::of_parts([parts[0], parts[1], parts[2]].map(|part| part / 100.0));
+    }
+    COLOURS.get(usize::try_from(own).ok()?.checked_sub(1)?).map(|&parts| Colour(parts))
+}
+
+/// The name that a property gives, or a definition itself, else the label of the directory entry.
+fn name(entities: &Entities, number: u32) -> Option<Arc<str>> {
+    let entry = entities.entry(number)?;
+    let given = entities.get(number).ok().and_then(|entity| match entry.kind {
+        308 => text(&entity, 2),
+        _ => property(entities, &entity),
+    });
+    given.or_else(|| words(&entry.label))
+}
+
+/// The name among the properties of an entity: their pointers follow those of associations, behind its own parameters.
+fn property(entities: &Entities, entity: &Entity) -> Option<Arc<str>> {
+    let own = entity.parameters();
+    let counted = |at: usize, each: usize| own.count(at, each).ok().map(|count| at + 1 + each * count);
+    let associations = match entity.entry.kind {
+        143 => counted(3, 1)?,
+        402 => counted(1, 1)?,
+        144 => 5 + own.whole(3).ok()?,
+        186 => counted(3, 2)?,
+        510 => 4 + own.whole(2).ok()?,
+        514 => counted(1, 2)?,
+        _ => return None,
+    };
+    let first = counted(associations, 1)?;
+    let count = own.count(first, 1).ok()?;
+    own.pointers(first + 1, count).ok()?.into_iter().find_map(|property| {
+        entities.entry(property).filter(|entry| entry.kind == 406 && entry.form == NAME)?;
+        text(&entities.get(property).ok()?, 2)
+    })
+}
+
+fn text(entity: &Entity, at: usize) -> Option<Arc<str>> {
+    match entity.parameters().values.get(at) {
+        Some(Value::Text(bytes)) => words(bytes),
+        _ => None,
+    }
+}
+
+/// Text without the blanks about it; `None` for none.
+fn words(bytes: &[u8]) -> Option<Arc<str>> {
+    let text = String::from_utf8_lossy(bytes);
+    let text = text.trim();
+    (!text.is_empty()).then(|| text.into())
+}
