@@ -179,23 +179,24 @@ struct Border {
 /// Names the corners of a border; those that are one point in space are joined.
 fn border(outline: &Outline, points: &mut Points) -> Border {
     let mut found = Border { corners: vec![], points: vec![], chords: vec![] };
-    let (mut known, mut across) = (HashMap::<[u64; 2], u32>::new(), HashMap::<[u64; 2], usize>::new());
+    let (mut known, mut across) = (Near::new(outline), HashMap::<[u64; 2], usize>::new());
     let bits = |uv: DVec2| (uv + DVec2::ZERO).to_array().map(f64::to_bits);
     for side in &outline.sides {
         let mut last: Option<u32> = None;
         for node in &side.nodes {
-            let own = *known.entry(bits(node.uv)).or_insert_with(|| {
+            let own = known.get(node.uv, &found.corners).unwrap_or_else(|| {
                 let point = node.point.unwrap_or_else(|| points.add(outline.place(node.uv)));
                 found.corners.push(node.uv);
                 found.points.push(point);
                 found.corners.len() as u32 - 1
             });
+            known.set(found.corners[own as usize], own);
             let point = found.points[own as usize];
             if let Some(other) = node.point {
                 points.join(point, other);
             }
             // The two sides of a seam are one.
-            let mut wrapped = node.uv;
+            let mut wrapped = found.corners[own as usize];
             for (axis, [start, end]) in outline.surface.domain().into_iter().enumerate() {
                 if outline.closed[axis] && wrapped[axis] == end {
                     wrapped[axis] = start;
@@ -213,6 +214,40 @@ fn border(outline: &Outline, points: &mut Points) -> Border {
         }
     }
     found
+}
+
+/// Corners by where they are: those next to each other are one.
+struct Near {
+    snap: DVec2,
+    start: DVec2,
+    /// By squares of twice the distance that is next.
+    known: HashMap<[i64; 2], Vec<u32>>,
+}
+
+impl Near {
+    fn new(outline: &Outline) -> Self {
+        let start = outline.surface.domain().map(|[start, _]| start);
+        Self { snap: outline.grid.snap.into(), start: start.into(), known: HashMap::new() }
+    }
+
+    fn square(&self, uv: DVec2) -> [i64; 2] {
+        ((uv - self.start) / (2.0 * self.snap)).round().to_array().map(|k| k as i64)
+    }
+
+    fn get(&self, uv: DVec2, corners: &[DVec2]) -> Option<u32> {
+        let [i, j] = self.square(uv);
+        let beside = (i - 1..=i + 1).flat_map(|i| (j - 1..=j + 1).map(move |j| [i, j]));
+        let mut near = beside.filter_map(|square| self.known.get(&square)).flatten();
+        near.find(|corner| (corners[**corner as usize] - uv).abs().cmple(self.snap).all()).copied()
+    }
+
+    fn set(&mut self, uv: DVec2, corner: u32) {
+        let square = self.square(uv);
+        let own = self.known.entry(square).or_default();
+        if !own.contains(&corner) {
+            own.push(corner);
+        }
+    }
 }
 
 /// All that the triangles of a model are made of.

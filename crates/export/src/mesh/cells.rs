@@ -147,7 +147,8 @@ fn needed(bounds: &DerivativeBounds, [width, height]: [f64; 2], allowed: f64, le
 /// Lines of constant u and of constant v, ascending; at least two of each.
 pub(super) struct Grid {
     pub lines: [Vec<f64>; 2],
-    snap: [f64; 2],
+    /// Two points of the border within this of each other, and of a line, are one, and on it.
+    pub snap: [f64; 2],
 }
 
 impl Grid {

@@ -7,13 +7,16 @@ use super::cells::{Bounds, Grid};
 use super::points::Points;
 use glam::{DVec2, DVec3};
 use nurbs::{BezierCurve, Hull, Rectangle, Surface};
-use scene::{FaceId, Model, Piece, closed};
+use scene::{FaceId, Model, Piece, Trim, closed};
 
 /// What is at most this share of a face's size is a point in space, and more where its tolerance says so, up to [`SMALL`].
 const POINT: f64 = 1e-7;
 
 /// See [`POINT`].
 const SMALL: f64 = 1e-3;
+
+/// A trim whose control points are all within this share of a period of a seam runs along it.
+const ALONG: f64 = 1e-6;
 
 /// Chords by which a curve's extent in space is measured.
 const CHORDS: usize = 8;
@@ -218,9 +221,27 @@ impl<'m> Sheet<'m> {
         }
     }
 
+    /// Whether a trim with a number runs along a seam, as all of a piece of it does, and does not just leave the domain there.
+    fn runs_along(&self, piece: &Piece, trim: &Trim) -> bool {
+        let axis = usize::from(piece.curve.start().x != piece.curve.end().x);
+        let [start, end] = self.surface.domain()[axis];
+        let is_along = |at: f64| {
+            let share = (at - piece.curve.start()[axis]) / (end - start);
+            (share - share.round()).abs() <= ALONG
+        };
+        trim.edge.is_some() && trim.points.iter().all(|uv| is_along(uv[axis]))
+    }
+
     fn kind(&self, piece: &Piece, trim: Option<(usize, usize)>) -> Kind {
-        if let Some(kind) = piece.on_border.then(|| self.border_kind(&piece.curve)).flatten() {
-            return kind;
+        let border = piece.on_border.then(|| self.border_kind(&piece.curve)).flatten();
+        let runs_along = |(boundary, trim): (usize, usize)| {
+            self.runs_along(piece, &self.model.faces()[self.id.0 as usize].loops[boundary].trims[trim])
+        };
+        match border {
+            // A seam that the file names is matched as other edges are: its two trims may be a little off the border.
+            Some(Kind::Seam(_)) if trim.is_some_and(runs_along) => {}
+            Some(kind) => return kind,
+            None => {}
         }
         let Some((boundary, trim)) = trim else {
             return if !piece.on_border && self.is_point(&piece.curve) { Kind::Point } else { Kind::Free };

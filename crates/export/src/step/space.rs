@@ -110,7 +110,8 @@ fn iso_line(sheet: &Sheet, trim: &Trim) -> Result<Option<SpaceCurve>, NurbsError
         points.reverse();
         weights.iter_mut().for_each(|weights| weights.reverse());
     }
-    let knots = KnotVector::new(whole.knots().degree(), knots)?;
+    // Knots that are one in the trim's parameter are none of a curve.
+    let Ok(knots) = KnotVector::new(whole.knots().degree(), knots) else { return Ok(None) };
     SpaceCurve::new(knots, &points, weights.as_deref()).map(Some)
 }
 
