@@ -40,8 +40,9 @@ pub const GREATEST_TRIANGLES: usize = 1 << 22;
 const OF_CELLS: f64 = 0.6;
 const OF_BORDERS: f64 = 0.3;
 
-/// Where chords of a face cross, its borders' part of the error is divided by [`FINER`], so many times at most.
-const ROUNDS: u32 = 5;
+/// Where chords of a face cross, its borders' part of the error is divided by [`FINER`], so many times at most. Chords that still
+/// cross are of trims that do, within the file's tolerance: they get a corner there that no neighbour has.
+const ROUNDS: u32 = 2;
 const FINER: f64 = 16.0;
 
 /// A model in triangles.
@@ -111,7 +112,12 @@ pub fn mesh(model: &Model, error: f64, progress: &(dyn Fn(usize) + Sync)) -> Res
         let done = AtomicUsize::new(0);
         let cut = |id: &FaceId| {
             let index = id.0 as usize;
-            let cut = triangulate(&outlines[index].grid, borders[index].corners.clone(), &borders[index].chords);
+            let cut = triangulate(
+                &outlines[index].grid,
+                borders[index].corners.clone(),
+                &borders[index].chords,
+                round == ROUNDS,
+            );
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             cut
         };

@@ -1,14 +1,17 @@
 //! The triangles of a face: whole cells are two each, and cells at a border are triangulated under constraints (`spade`).
 //!
 //! Chords of the border, directed with material on their left, each lie in one cell. A cell with a chord or a border point is
-//! triangulated by itself, its own sides and the chords being edges; which triangles are material follows from the side of a
-//! chord that they are on, and where there is none from the winding number of the cell's middle.
+//! triangulated by itself, its own sides and the chords being edges. Windings are counted from triangle to triangle across
+//! chords; where a cell has none, the winding of its middle says whether it is material.
 
 use super::cells::Grid;
 use glam::DVec2;
 use spade::handles::FixedFaceHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::{BTreeMap, HashMap};
+
+/// The most crossings of chords in one cell.
+const MOST_CROSSINGS: usize = 64;
 
 /// Two chords of a face cross, so that no triangulation has both.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,11 +26,16 @@ pub(super) struct Triangulated {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Triangulates what lies left of the chords, pairs of `corners`.
+/// Triangulates what lies left of the chords, pairs of `corners`. Where two cross they get a corner, if that is asked for.
 ///
 /// # Errors
 /// [`Crossed`].
-pub(super) fn triangulate(grid: &Grid, corners: Vec<DVec2>, chords: &[[u32; 2]]) -> Result<Triangulated, Crossed> {
+pub(super) fn triangulate(
+    grid: &Grid,
+    corners: Vec<DVec2>,
+    chords: &[[u32; 2]],
+    may_split: bool,
+) -> Result<Triangulated, Crossed> {
     let mut work = Work::new(grid, corners);
     work.sort_in(chords);
     let mut out = vec![];
@@ -44,7 +52,12 @@ pub(super) fn triangulate(grid: &Grid, corners: Vec<DVec2>, chords: &[[u32; 2]])
                     let [a, b, c, d] = corners.map(|at| work.corner(at));
                     out.extend([[a, b, c], [a, c, d]]);
                 }
-                Some(chords) => work.cell([i, j], &chords, winding != 0, &mut out)?,
+                Some(mut chords) => {
+                    if may_split {
+                        chords = work.uncrossed(&chords)?;
+                    }
+                    work.cell([i, j], &chords, winding != 0, &mut out)?;
+                }
             }
         }
     }
@@ -137,6 +150,35 @@ impl<'g> Work<'g> {
         [vec![ends[0]], inner, vec![ends[1]]].concat()
     }
 
+    /// The chords of a cell, with a corner where two of them cross.
+    ///
+    /// # Errors
+    /// [`Crossed`] where that takes more than [`MOST_CROSSINGS`].
+    fn uncrossed(&mut self, chords: &[[u32; 2]]) -> Result<Vec<[u32; 2]>, Crossed> {
+        let mut done: Vec<[u32; 2]> = vec![];
+        let mut waiting = chords.to_vec();
+        let mut crossings = 0;
+        while let Some(chord) = waiting.pop() {
+            let ends = |corners: &[DVec2], chord: [u32; 2]| chord.map(|corner| corners[corner as usize]);
+            let own = ends(&self.corners, chord);
+            let found =
+                done.iter().enumerate().find_map(|(k, other)| Some((k, crossing(own, ends(&self.corners, *other))?)));
+            let Some((other, share)) = found else {
+                done.push(chord);
+                continue;
+            };
+            crossings += 1;
+            if MOST_CROSSINGS < crossings {
+                return Err(Crossed);
+            }
+            let at = self.corners.len() as u32;
+            self.corners.push(own[0].lerp(own[1], share));
+            let [from, to] = done.swap_remove(other);
+            waiting.extend([[from, at], [at, to], [chord[0], at], [at, chord[1]]]);
+        }
+        Ok(done)
+    }
+
     /// The triangles with material of a cell at the border; `is_inside` says of one without chords whether it is material.
     fn cell(
         &mut self,
@@ -180,37 +222,47 @@ impl<'g> Work<'g> {
             *net.entry((from, to)).or_default() += 1;
             *net.entry((to, from)).or_default() -= 1;
         }
-        let barrier = |from: usize, to: usize| net.get(&(from, to)).copied().filter(|n| *n != 0);
-        let inner: Vec<FixedFaceHandle<_>> = cdt.inner_faces().map(|face| face.fix()).collect();
-        let mut waiting = vec![];
-        let mut material: HashMap<_, bool> = HashMap::new();
-        for face in cdt.inner_faces() {
-            for edge in face.adjacent_edges() {
-                let n = barrier(edge.from().fix().index(), edge.to().fix().index());
-                if let Some(n) = n.filter(|_| !material.contains_key(&face.fix())) {
-                    material.insert(face.fix(), 0 < n);
-                    waiting.push(face.fix());
-                }
-            }
-        }
-        if waiting.is_empty() {
-            material.extend(inner.iter().map(|face| (*face, is_inside)));
-        }
+        let mut windings: HashMap<FixedFaceHandle<_>, i32> = HashMap::new();
+        let mut waiting: Vec<_> = cdt.inner_faces().next().map(|face| face.fix()).into_iter().collect();
+        windings.extend(waiting.iter().map(|face| (*face, 0)));
         while let Some(face) = waiting.pop() {
-            let own = material[&face];
+            let own = windings[&face];
             for edge in cdt.face(face).adjacent_edges() {
-                let is_open = barrier(edge.from().fix().index(), edge.to().fix().index()).is_none();
-                if let Some(next) = edge.rev().face().as_inner().filter(|_| is_open)
-                    && !material.contains_key(&next.fix())
-                {
-                    material.insert(next.fix(), own);
-                    waiting.push(next.fix());
-                }
+                let Some(next) = edge.rev().face().as_inner().map(|next| next.fix()) else { continue };
+                let crossed = net.get(&(edge.from().fix().index(), edge.to().fix().index())).copied().unwrap_or(0);
+                windings.entry(next).or_insert_with(|| {
+                    waiting.push(next);
+                    own - crossed
+                });
             }
         }
-        for face in inner.into_iter().filter(|face| material.get(face) == Some(&true)) {
-            out.push(cdt.face(face).vertices().map(|vertex| names[vertex.fix().index()]));
+        let outside = outside(cdt.inner_faces().map(|face| (windings[&face.fix()], face.area())), is_inside);
+        for face in cdt.inner_faces().filter(|face| windings[&face.fix()] != outside) {
+            out.push(face.vertices().map(|vertex| names[vertex.fix().index()]));
         }
         Ok(())
     }
+}
+
+/// What winding, of those counted from any triangle of a cell, is no material, from these and the triangles' areas.
+///
+/// Chords have 1 on their left and 0 on their right. Where two of them cross by less than a tolerance there is a third winding,
+/// and it has the least area.
+fn outside(triangles: impl Iterator<Item = (i32, f64)>, is_inside: bool) -> i32 {
+    let mut areas: BTreeMap<i32, f64> = BTreeMap::new();
+    triangles.for_each(|(winding, area)| *areas.entry(winding).or_default() += area);
+    if areas.len() < 2 {
+        return areas.keys().next().map_or(0, |winding| winding - i32::from(is_inside));
+    }
+    let area = |winding: i32| areas.get(&winding).copied().unwrap_or(0.0);
+    let both = |outside: i32| area(outside) + area(outside + 1);
+    areas.keys().copied().max_by(|a, b| both(*a).total_cmp(&both(*b)).then(b.cmp(a))).expect("there are two")
+}
+
+/// The parameters, 0 to 1, at which two segments cross between their ends.
+fn crossing([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> Option<f64> {
+    let (ab, cd) = (b - a, d - c);
+    let sides = [ab.perp_dot(c - a), ab.perp_dot(d - a), cd.perp_dot(a - c), cd.perp_dot(b - c)];
+    let is_crossed = sides[0] * sides[1] < 0.0 && sides[2] * sides[3] < 0.0;
+    is_crossed.then(|| sides[2] / (sides[2] - sides[3]))
 }

@@ -91,7 +91,9 @@ fn one_set(outlines: &mut [Outline], group: &[Use], points: &mut Points) {
     }
     let first = &group[0];
     let order = |side: usize| first.sides.iter().position(|own| *own == side).expect("a side of it") as f64;
-    let mut gap: f64 = 0.0;
+    // One of the two may end before the other: its way to the other counts.
+    let apart = |other: &Use| other.farthest(outlines, first).min(first.farthest(outlines, other));
+    let mut gap = group[1..].iter().map(apart).fold(0.0, f64::max);
     let mut candidates: Vec<Candidate> = vec![];
     for (own, other) in group.iter().enumerate() {
         for &side in &other.sides {
@@ -195,6 +197,13 @@ impl Use {
         };
         let chords = || other.stations.windows(2).filter(|pair| pair[0].side == pair[1].side);
         self.stations.iter().all(|station| chords().any(|pair| from_chord(station.place, pair) <= most))
+    }
+
+    /// The greatest distance of the use from another, by its stations.
+    fn farthest(&self, outlines: &[Outline], other: &Self) -> f64 {
+        let outline = &outlines[other.face];
+        let from = |station: &Station| other.nearest(outline, station.place).place.distance(station.place);
+        self.stations.iter().map(from).fold(0.0, f64::max)
     }
 
     /// The point at the start or the end of the first use.
