@@ -20,6 +20,9 @@ use text::{Text, flag, references};
 /// Without a tolerance of its own a model is written to this share of its size.
 const USUAL_SHARE: f64 = 1e-7;
 
+/// What runs farther apart than this share of the model's size is not one edge, whatever its number.
+const GREATEST_SHARE: f64 = 1e-4;
+
 /// The writer.
 pub struct Step;
 
@@ -56,6 +59,13 @@ impl Writer for Step {
                 topology.edges.len()
             ));
         }
+        let parts = topology.parts.len();
+        if model.faces().len() < parts {
+            let faces = model.faces().len();
+            notes.push(format!(
+                "{parts} faces are written for {faces}: one for each outer loop, since STEP has one to a face"
+            ));
+        }
         let written = Written { faces: model.faces().len(), mesh: None, notes };
         let (head, body) = (header(model.name()), text.finish());
         let fill = move |out: &mut dyn std::io::Write| {
@@ -65,10 +75,16 @@ impl Writer for Step {
     }
 }
 
-/// What is stated for the whole file: the greatest of the faces' own tolerances.
+/// What is stated for the whole file: the greatest of the faces' own tolerances; where there is none, what its edges run apart.
 fn uncertainty(model: &Model) -> f64 {
     let own = model.faces().iter().map(|face| face.tolerance).fold(0.0, f64::max);
-    if 0.0 < own { own } else { USUAL_SHARE * model.hull().diagonal() }
+    if 0.0 < own {
+        return own;
+    }
+    let size = model.hull().diagonal();
+    let gaps = model.shared_edges().into_iter().map(|edge| edge.gap).filter(|gap| *gap <= GREATEST_SHARE * size);
+    // Gaps are sampled, and the edge in space has an error of its own.
+    gaps.fold(USUAL_SHARE * size, |most, gap| most.max(2.0 * gap))
 }
 
 fn shape(text: &mut Text, model: &Model, topology: &Topology, product: &Product, asked: Asked) {
@@ -85,21 +101,20 @@ fn shape(text: &mut Text, model: &Model, topology: &Topology, product: &Product,
     let edges: Vec<u64> =
         topology.edges.iter().map(|edge| edge_curve(text, edge, &surfaces, &vertices, product.parameters)).collect();
     let mut faces = vec![];
-    for (index, face) in model.faces().iter().enumerate() {
-        let bounds: Vec<u64> = topology.bounds[index]
-            .iter()
-            .map(|bound| face_bound(text, bound, topology, &edges, face.reversed))
-            .collect();
-        let sense = flag(!face.reversed);
-        faces.push(text.add(&format!("ADVANCED_FACE('',{},#{},{sense})", references(&bounds), surfaces[index])));
-        (asked.progress)(index + 1);
+    for part in &topology.parts {
+        let is_reversed = model.faces()[part.face].reversed;
+        let bounds: Vec<u64> =
+            part.bounds.iter().map(|bound| face_bound(text, bound, topology, &edges, is_reversed)).collect();
+        let (surface, sense) = (surfaces[part.face], flag(!is_reversed));
+        faces.push(text.add(&format!("ADVANCED_FACE('',{},#{surface},{sense})", references(&bounds))));
+        (asked.progress)(part.face + 1);
     }
-    let shells = topology.shells();
+    let shells = topology.shells(model);
     let is_solid = shells.iter().all(|(_, is_closed)| *is_closed);
     let shells: Vec<u64> = shells
         .iter()
         .map(|(members, is_closed)| {
-            let members: Vec<u64> = members.iter().map(|face| faces[*face]).collect();
+            let members: Vec<u64> = members.iter().map(|part| faces[*part]).collect();
             let kind = if *is_closed { "CLOSED" } else { "OPEN" };
             text.add(&format!("{kind}_SHELL('',{})", references(&members)))
         })

@@ -16,6 +16,9 @@ use std::collections::BTreeMap;
 const NEAR: f64 = 1e-2;
 const NEAR_UNCERTAINTIES: f64 = 10.0;
 
+/// The share of the uncertainty that an edge in space may be from its trim.
+const OF_UNCERTAINTY: f64 = 0.1;
+
 /// Places on a trim that are looked at, and chords of the other.
 const PLACES: usize = 16;
 const CHORDS: usize = 64;
@@ -36,10 +39,12 @@ pub(super) struct Edge {
 /// A trim as a use of an edge.
 pub(super) struct Use {
     pub face: usize,
+    /// Which of [`Topology::parts`] it bounds.
+    pub part: usize,
     pub trim: Trim,
     /// Whether the trim's curve runs against the edge.
     pub turned: bool,
-    /// Whether the loop runs the edge forwards.
+    /// Whether the loop, with the face's own orientation removed, runs the edge forwards.
     pub forward: bool,
 }
 
@@ -52,11 +57,16 @@ pub(super) struct Bound {
     pub at: DVec3,
 }
 
+/// A face of the file: a model's face, or what one of its outer loops bounds, since STEP has one to a face.
+pub(super) struct Part {
+    pub face: usize,
+    pub bounds: Vec<Bound>,
+}
+
 /// The topology of a model.
 pub(super) struct Topology {
     pub edges: Vec<Edge>,
-    /// Of each face.
-    pub bounds: Vec<Vec<Bound>>,
+    pub parts: Vec<Part>,
     /// The points of the vertices.
     pub vertices: Vec<DVec3>,
 }
@@ -78,70 +88,69 @@ impl Topology {
     pub fn new(model: &Model, uncertainty: f64) -> Result<Self, ExportError> {
         let mut edges: Vec<Edge> = vec![];
         let mut known: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
-        let mut bounds: Vec<Vec<Bound>> = vec![];
+        let mut parts: Vec<Part> = vec![];
         for (index, face) in model.faces().iter().enumerate() {
             let sheet = Sheet::new(model.surface(FaceId(index as u32)));
-            let mut own = vec![];
-            for (boundary, (outer, trims)) in loops(&sheet, index, face).into_iter().enumerate() {
-                let at = sheet.point(trims[0].0.points[0]);
-                let mut uses = vec![];
-                for (number, (trim, key)) in trims.into_iter().enumerate() {
-                    if trim.degenerate {
-                        continue;
-                    }
-                    let wrong = |cause| ExportError::Trim {
-                        face: model.number_in_file(FaceId(index as u32)),
-                        boundary,
-                        trim: number,
-                        cause,
-                    };
-                    let ran = Ran::new(&sheet, &trim).map_err(wrong)?;
-                    let forward = !trim.reversed;
-                    let shared = key.iter().flat_map(|key| known.get(key).into_iter().flatten()).find_map(|&edge| {
-                        let turned = ran.turned(model, &edges[edge], uncertainty)?;
-                        Some((edge, turned))
-                    });
-                    let (edge, turned) = match shared {
-                        Some(found) => found,
-                        None => {
-                            let space = in_space(&sheet, &trim, 0.1 * uncertainty).map_err(wrong)?;
-                            edges.push(Edge { uses: vec![], space, vertices: [0; 2] });
-                            let edge = edges.len() - 1;
-                            if let Some(key) = key {
-                                known.entry(key).or_default().push(edge);
+            let loops = loops(&sheet, index, face);
+            for members in outers(model, index, &loops) {
+                let mut own = Part { face: index, bounds: vec![] };
+                for boundary in members {
+                    let (outer, trims) = &loops[boundary];
+                    let at = sheet.point(trims[0].0.points[0]);
+                    let mut uses = vec![];
+                    for (number, (trim, key)) in trims.iter().enumerate().filter(|(_, (trim, _))| !trim.degenerate) {
+                        let wrong = |cause| ExportError::Trim {
+                            face: model.number_in_file(FaceId(index as u32)),
+                            boundary,
+                            trim: number,
+                            cause,
+                        };
+                        let ran = Ran::new(&sheet, trim).map_err(wrong)?;
+                        let shared =
+                            key.iter().flat_map(|key| known.get(key).into_iter().flatten()).find_map(|&edge| {
+                                let turned = ran.turned(model, &edges[edge], uncertainty)?;
+                                Some((edge, turned))
+                            });
+                        let (edge, turned) = match shared {
+                            Some(found) => found,
+                            None => {
+                                let space = in_space(&sheet, trim, OF_UNCERTAINTY * uncertainty).map_err(wrong)?;
+                                edges.push(Edge { uses: vec![], space, vertices: [0; 2] });
+                                let edge = edges.len() - 1;
+                                if let Some(key) = key {
+                                    known.entry(*key).or_default().push(edge);
+                                }
+                                (edge, false)
                             }
-                            (edge, false)
-                        }
-                    };
-                    uses.push((edge, edges[edge].uses.len()));
-                    edges[edge].uses.push(Use {
-                        face: index,
-                        trim: trim.into_owned(),
-                        turned,
-                        forward: forward != turned,
-                    });
+                        };
+                        uses.push((edge, edges[edge].uses.len()));
+                        let forward = trim.reversed == turned;
+                        let trim = trim.as_ref().clone();
+                        edges[edge].uses.push(Use { face: index, part: parts.len(), trim, turned, forward });
+                    }
+                    own.bounds.push(Bound { outer: *outer, uses, at });
                 }
-                own.push(Bound { outer, uses, at });
+                parts.push(own);
             }
-            bounds.push(own);
         }
-        let vertices = vertices(&mut edges, &bounds);
-        Ok(Self { edges, bounds, vertices })
+        let vertices = vertices(&mut edges, parts.iter().flat_map(|part| &part.bounds));
+        Ok(Self { edges, parts, vertices })
     }
 
-    /// The faces of each connected part, and whether it is closed: each edge run once each way.
-    pub fn shells(&self) -> Vec<(Vec<usize>, bool)> {
-        let mut part = Groups::new(self.bounds.len());
+    /// The parts of each shell, and whether it is closed: each edge run once each way.
+    pub fn shells(&self, model: &Model) -> Vec<(Vec<usize>, bool)> {
+        let mut shell = Groups::new(self.parts.len());
         for edge in &self.edges {
-            edge.uses.iter().for_each(|other| part.join(edge.uses[0].face, other.face));
+            edge.uses.iter().for_each(|other| shell.join(edge.uses[0].part, other.part));
         }
         let mut shells: BTreeMap<usize, (Vec<usize>, bool)> = BTreeMap::new();
-        for face in 0..self.bounds.len() {
-            shells.entry(part.of(face)).or_insert((vec![], true)).0.push(face);
+        for part in 0..self.parts.len() {
+            shells.entry(shell.of(part)).or_insert((vec![], true)).0.push(part);
         }
         for edge in &self.edges {
-            let is_closed = matches!(&edge.uses[..], [a, b] if a.forward != b.forward);
-            shells.get_mut(&part.of(edge.uses[0].face)).expect("every face is in one").1 &= is_closed;
+            let ahead = |own: &Use| own.forward != model.faces()[own.face].reversed;
+            let is_closed = matches!(&edge.uses[..], [a, b] if ahead(a) != ahead(b));
+            shells.get_mut(&shell.of(edge.uses[0].part)).expect("every part is in one").1 &= is_closed;
         }
         shells.into_values().collect()
     }
@@ -158,6 +167,56 @@ fn loops<'m>(sheet: &Sheet, index: usize, face: &'m Face) -> Vec<Named<'m>> {
     let named = |trim: &'m Trim| (Cow::Borrowed(trim), trim.edge.map(Key::Named));
     let of_loop = |Loop { outer, trims }: &'m Loop| (*outer, trims.iter().map(named).collect());
     face.loops.iter().filter(|boundary| !boundary.trims.is_empty()).map(of_loop).collect()
+}
+
+/// The loops of a face by the outer ones: each with its holes, first. All together where there is one outer loop, or none.
+fn outers(model: &Model, index: usize, loops: &[Named]) -> Vec<Vec<usize>> {
+    let all = (0..loops.len()).collect();
+    let Some(region) = model.region(FaceId(index as u32)) else { return vec![all] };
+    // The region knows which loop is which, whatever the file says; a loop without area is no part of it.
+    let depth = |k: usize| region.loops().iter().find(|own| own.source == Some(k)).map(|own| own.depth);
+    let outer: Vec<usize> = (0..loops.len()).filter(|k| depth(*k).is_some_and(|depth| depth % 2 == 0)).collect();
+    if outer.len() < 2 || loops.len() != model.faces()[index].loops.len() {
+        return vec![all];
+    }
+    let polygons: Vec<Vec<DVec2>> = loops.iter().map(polygon).collect();
+    let mut parts: Vec<Vec<usize>> = outer.iter().map(|k| vec![*k]).collect();
+    for hole in (0..loops.len()).filter(|k| !outer.contains(k)) {
+        let holders = (0..outer.len()).filter(|own| {
+            let votes = polygons[hole].iter().filter(|uv| holds(&polygons[outer[*own]], **uv)).count();
+            polygons[hole].len() < 2 * votes
+        });
+        let least = holders.min_by(|a, b| area(&polygons[outer[*a]]).total_cmp(&area(&polygons[outer[*b]])));
+        parts[least.unwrap_or(0)].push(hole);
+    }
+    parts
+}
+
+/// A loop by chords.
+fn polygon((_, trims): &Named) -> Vec<DVec2> {
+    let places = |trim: &Trim| {
+        let curve = Curve::new(trim.knots.clone(), &trim.points, trim.weights.as_deref()).ok();
+        let (start, end) = trim.knots.domain();
+        let share = |k: usize| if trim.reversed { 1.0 - k as f64 / PLACES as f64 } else { k as f64 / PLACES as f64 };
+        let at = move |k: usize| curve.as_ref().map(|curve| curve.point(start + (end - start) * share(k)));
+        (0..PLACES).filter_map(at).collect::<Vec<_>>()
+    };
+    trims.iter().flat_map(|(trim, _)| places(trim)).collect()
+}
+
+/// Twice the area that chords enclose, whichever way they run.
+fn area(polygon: &[DVec2]) -> f64 {
+    let next = |k: usize| polygon[(k + 1) % polygon.len()] - polygon[0];
+    (0..polygon.len()).map(|k| (polygon[k] - polygon[0]).perp_dot(next(k))).sum::<f64>().abs()
+}
+
+/// Whether chords enclose a point: by the crossings of a ray.
+fn holds(polygon: &[DVec2], uv: DVec2) -> bool {
+    let is_crossed = |k: &usize| {
+        let (a, b) = (polygon[*k], polygon[(k + 1) % polygon.len()]);
+        (a.y <= uv.y) != (b.y <= uv.y) && uv.x < a.x + (uv.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    };
+    (0..polygon.len()).filter(is_crossed).count() % 2 == 1
 }
 
 /// The sides of a domain, counter-clockwise; those of a closed surface run the same way and are one edge.
@@ -226,9 +285,9 @@ impl Ran {
 }
 
 /// Numbers the vertices: an edge ends where the next of the loop begins. Returns their points.
-fn vertices(edges: &mut [Edge], bounds: &[Vec<Bound>]) -> Vec<DVec3> {
+fn vertices<'p>(edges: &mut [Edge], bounds: impl Iterator<Item = &'p Bound>) -> Vec<DVec3> {
     let mut ends = Groups::new(2 * edges.len());
-    for Bound { uses, .. } in bounds.iter().flatten() {
+    for Bound { uses, .. } in bounds {
         for (k, &(edge, number)) in uses.iter().enumerate() {
             let (next, next_number) = uses[(k + 1) % uses.len()];
             let leaves = 2 * edge + usize::from(edges[edge].uses[number].forward);

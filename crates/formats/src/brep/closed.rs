@@ -105,7 +105,10 @@ impl<'u> Closed<'u> {
         for edge in &bound.uses {
             let mut path = match (&edge.plane, &edge.space) {
                 (Some(plane), space) => {
-                    let given = Path::given(shape, plane, space.as_ref());
+                    let mut given = Path::given(shape, plane, space.as_ref());
+                    if let Some(space) = space.as_ref().filter(|_| source.tolerance.max(tolerance) < given.gap) {
+                        given.measure(shape, space);
+                    }
                     let better = space.as_ref().filter(|_| source.tolerance.max(tolerance) < given.gap);
                     let better = better.map(|space| Path::found(shape, inverter, space, tolerance));
                     better.filter(|path| path.gap < 0.5 * given.gap).unwrap_or(given)

@@ -1,0 +1,45 @@
+//! What is written, read again: by the project's own readers, and byte by byte.
+
+mod bytes;
+mod meshes;
+mod round_trip;
+
+use export::{Asked, ExportError, Ready, WRITERS, Written};
+use formats::Document;
+use scene::Model;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A built-in model, or a file of `testdata`.
+fn document(name: &str) -> Document {
+    let path = root().join("testdata").join(name);
+    match models::builtin(name) {
+        Some(model) => Document::of_model(model),
+        None => formats::open(&path).unwrap_or_else(|error| panic!("{error}")),
+    }
+}
+
+fn write(document: &Document, extension: &str, error: f64) -> Result<(Vec<u8>, Written), ExportError> {
+    let writer = WRITERS.iter().find(|writer| writer.extensions().contains(&extension)).expect("a writer");
+    let Ready { written, fill } = writer.prepare(document, Asked { error, progress: &|_| {} })?;
+    let mut bytes = vec![];
+    fill(&mut bytes)?;
+    Ok((bytes, written))
+}
+
+/// A thousandth of the model's size.
+fn usual(model: &Model) -> f64 {
+    1e-3 * model.hull().diagonal()
+}
+
+/// Numbers in [0, 1), the same on every machine (Steele & Vigna 2021, splitmix64).
+fn random(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
