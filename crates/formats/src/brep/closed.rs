@@ -106,10 +106,11 @@ impl<'u> Closed<'u> {
             let mut path = match (&edge.plane, &edge.space) {
                 (Some(plane), space) => {
                     let mut given = Path::given(shape, plane, space.as_ref());
-                    if let Some(space) = space.as_ref().filter(|_| source.tolerance.max(tolerance) < given.gap) {
-                        given.measure(shape, space);
+                    let enough = source.tolerance.max(tolerance);
+                    if let Some(space) = space.as_ref().filter(|_| enough < given.gap) {
+                        given.measure(shape, space, enough);
                     }
-                    let better = space.as_ref().filter(|_| source.tolerance.max(tolerance) < given.gap);
+                    let better = space.as_ref().filter(|_| enough < given.gap);
                     let better = better.map(|space| Path::found(shape, inverter, space, tolerance));
                     better.filter(|path| path.gap < 0.5 * given.gap).unwrap_or(given)
                 }

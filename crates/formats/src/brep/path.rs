@@ -97,9 +97,19 @@ impl<'u> Path<'u> {
         Self { source: Source::Given(plane), samples, uv, free: [None; 2], gap, offset, iso: None }
     }
 
-    /// Measures how far the path is from the edge in space where the two run at different speeds, as files may have them: each
-    /// sample from the nearest place of the edge, sought near the same parameter.
-    pub fn measure(&mut self, shape: &Shape, space: &Piece) {
+    /// Measures how far the path is from the edge in space where the two begin and end together, to `tolerance`, and run at
+    /// different speeds between, as files may have them: each sample from the nearest place of the edge, sought near the same
+    /// parameter. A curve that ends before the edge's range does is no such.
+    pub fn measure(&mut self, shape: &Shape, space: &Piece, tolerance: f64) {
+        let Source::Given(Piece { curve, range: [start, end] }) = self.source else { return };
+        if curve.domain().is_none_or(|[first, last]| *start < first || last < *end) {
+            return;
+        }
+        let last = self.uv.len() - 1;
+        let is_apart = |i: usize| tolerance < shape.point(self.uv[i]).distance(space.point(self.samples[i]));
+        if is_apart(0) || is_apart(last) {
+            return;
+        }
         let distance = |(s, uv): (&f64, &DVec2)| {
             let point = shape.point(*uv);
             let [mut low, mut high] = [s - SPEEDS, s + SPEEDS].map(|s| s.clamp(0.0, 1.0));
