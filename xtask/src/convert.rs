@@ -2,7 +2,7 @@
 
 use crate::view::ModelArgs;
 use crate::{number, say, terminal};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use export::mesh::Facts;
 use export::{Asked, Written, export, writer_of};
@@ -17,7 +17,7 @@ const USUAL_SHARE: f64 = 1e-3;
 /// The extension of --out chooses the format. JSON and STEP keep every control point, knot and weight, and every trim's curve in
 /// (u, v), bit for bit; STEP adds edges in space, one for two faces where the model names it.
 /// OBJ, STL and glTF get triangles, each proven to be within --error of its surface; they are watertight where the model names the
-/// edges that its faces share. The last lines say what was written: triangles, the proven distance, edges left open.
+/// edges that its faces share. The last line says what was written: triangles, the proven distance, edges left open.
 ///
 ///   cargo xtask convert part.step --out part.glb --error 0.01
 ///   cargo xtask convert teapot --out teapot.step
@@ -43,6 +43,12 @@ pub struct ConvertArgs {
 pub fn run(args: &ConvertArgs) -> Result<()> {
     // Before a large file is read for nothing.
     let writer = writer_of(&args.out)?;
+    if args.error.is_some() && !writer.is_tessellated() {
+        bail!(
+            "--error is how far triangles may be from the surface, and {} has the surfaces themselves",
+            writer.name()
+        );
+    }
     let document = args.model.document()?;
     let error = args.error.unwrap_or_else(|| USUAL_SHARE * document.model.hull().diagonal());
     let bar = terminal::progress("faces", document.model.faces().len());
@@ -56,7 +62,7 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
     say!("{}", told(&path, writer.name(), error, &written))
 }
 
-/// What was written, on a line or two.
+/// What was written: the last line says the most.
 fn told(path: &str, format: &str, error: f64, written: &Written) -> String {
     let faces = written.faces;
     let Some(facts) = &written.mesh else {
@@ -65,11 +71,12 @@ fn told(path: &str, format: &str, error: f64, written: &Written) -> String {
     let Facts { triangles, distance, border, moved, open, non_manifold, euler, left_out } = facts;
     let lost = match &left_out[..] {
         [] => String::new(),
-        lost => format!("\nleft out: faces {lost:?}, whose trims' chords cross"),
+        lost => format!("left out: faces {lost:?}, whose trims cross too often\n"),
     };
     format!(
-        "{path}: {format}, {faces} faces, {triangles} triangles within {distance:.3e} of the surface, proven (asked: {error:.3e})\n\
-         borders within {border:.3e} of the trims; corners moved by up to {moved:.1e} to meet their neighbours'; {open} open edges, \
-         {non_manifold} non-manifold, Euler characteristic {euler}{lost}"
+        "{lost}borders within {border:.3e} of the trims; corners moved by up to {moved:.1e} to meet their neighbours'; Euler \
+         characteristic {euler}\n\
+         {path}: {format}, {faces} faces, {triangles} triangles within {distance:.3e} of the surface, proven (asked: {error:.3e}), \
+         {open} open and {non_manifold} non-manifold edges"
     )
 }

@@ -43,3 +43,29 @@ fn random(state: &mut u64) -> f64 {
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
+
+/// A file of the real models, where these are at hand.
+fn real(name: &str) -> Option<Document> {
+    let models =
+        std::env::var_os("ISOPHOTE_MODELS").map(PathBuf::from).unwrap_or_else(|| root().join("../shared/models"));
+    let path = models.join(name);
+    if !path.exists() {
+        eprintln!("{name} is not at hand");
+        return None;
+    }
+    Some(formats::open(&path).unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// A solid of a modeller's, and an aircraft of 272 spline faces: the same surfaces again, and triangles without a gap.
+#[test]
+fn real_models_come_back_and_are_watertight() {
+    for name in ["nist/NIST_MBE_PMI_1.stp", "nist/NIST_MBE_PMI_6.stp", "tigl/D150WithGuides_fusedAircraftMirrored.step"]
+    {
+        let Some(document) = real(name) else { continue };
+        let again = round_trip::read_again(&document);
+        assert_eq!(round_trip::differing_surfaces(&document.model, &again.model), Vec::<usize>::new(), "{name}");
+        let (_, written) = write(&document, "stl", usual(&document.model)).expect("written");
+        let facts = written.mesh.expect("triangles");
+        assert_eq!((facts.open, facts.non_manifold, facts.euler % 2), (0, 0, 0), "{name}: {facts:?}");
+    }
+}

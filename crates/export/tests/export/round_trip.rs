@@ -28,7 +28,7 @@ const MODELS: &[&str] = &[
     "cases/solid_3.json",
 ];
 
-fn read_again(document: &Document) -> Document {
+pub fn read_again(document: &Document) -> Document {
     let (bytes, _) = write(document, "step", 1.0).unwrap_or_else(|error| panic!("{error}"));
     let step = FORMATS.iter().find(|format| format.name() == "STEP").expect("a reader");
     step.read(&bytes, "again.step").unwrap_or_else(|error| panic!("{error}"))
@@ -42,7 +42,7 @@ fn bits(surface: &Surface) -> Vec<u64> {
     numbers.map(f64::to_bits).collect()
 }
 
-fn differing_surfaces(a: &Model, b: &Model) -> Vec<usize> {
+pub fn differing_surfaces(a: &Model, b: &Model) -> Vec<usize> {
     let surface = |model: &Model, face: usize| bits(model.surface(FaceId(face as u32)));
     (0..a.faces().len()).filter(|face| surface(a, *face) != surface(b, *face)).collect()
 }
