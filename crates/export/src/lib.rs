@@ -16,4 +16,4 @@ mod writer;
 
 pub use error::ExportError;
 pub use write::{WRITERS, export, writer_of};
-pub use writer::{Asked, Ready, Writer, Written};
+pub use writer::{Asked, Fill, Ready, Writer, Written};

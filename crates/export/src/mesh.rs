@@ -1,11 +1,11 @@
 //! A model in triangles, each proven to be within an asked error of its surface, and watertight where the model is.
 //!
-//! 1. Every face is cut by lines of its parameters into cells whose triangles are near enough ([`cells`]).
-//! 2. The curves that bound it get points at the lines and between ([`side`]), and the sides of a seam the same ones.
-//! 3. Trims that the file names as one edge get the same points in space ([`share`], [`points`]).
-//! 4. Each cell is triangulated, under constraints where the border comes to it ([`cell`]). Corners that are one point, as
+//! 1. Every face is cut by lines of its parameters into cells whose triangles are near enough (`cells`).
+//! 2. The curves that bound it get points at the lines and between (`side`), and the sides of a seam the same ones.
+//! 3. Trims that the file names as one edge get the same points in space (`share`, `points`).
+//! 4. Each cell is triangulated, under constraints where the border comes to it (`cell`). Corners that are one point, as
 //!    all along a pole, leave no triangle.
-//! 5. Edges of one triangle alone are counted ([`count`]): where borders coincide that the file does not name, there are
+//! 5. Edges of one triangle alone are counted (`count`): where borders coincide that the file does not name, there are
 //!    such.
 //!
 //! Of the error, cells have 6 parts in 10 and chords of borders 3. What the model's own edges run apart comes on top, and
@@ -112,12 +112,9 @@ pub fn mesh(model: &Model, error: f64, progress: &(dyn Fn(usize) + Sync)) -> Res
         let done = AtomicUsize::new(0);
         let cut = |id: &FaceId| {
             let index = id.0 as usize;
-            let cut = triangulate(
-                &outlines[index].grid,
-                borders[index].corners.clone(),
-                &borders[index].chords,
-                round == ROUNDS,
-            );
+            let Border { corners, chords, .. } = &borders[index];
+            let cut = |may_split: bool| triangulate(&outlines[index].grid, corners.clone(), chords, may_split);
+            let cut = cut(false).or_else(|Crossed| if round == ROUNDS { cut(true) } else { Err(Crossed) });
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             cut
         };

@@ -25,12 +25,15 @@ pub struct Written {
     pub notes: Vec<String>,
 }
 
+/// Writes the bytes of a file.
+pub type Fill<'d> = Box<dyn FnOnce(&mut dyn Write) -> io::Result<()> + 'd>;
+
 /// A file that is ready to be written.
 pub struct Ready<'d> {
     /// What it will hold.
     pub written: Written,
     /// Writes its bytes.
-    pub fill: Box<dyn FnOnce(&mut dyn Write) -> io::Result<()> + 'd>,
+    pub fill: Fill<'d>,
 }
 
 /// A format that documents are written in, with its writer in a file or folder of its own.

@@ -10,8 +10,9 @@ use spade::handles::FixedFaceHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::{BTreeMap, HashMap};
 
-/// The most crossings of chords in one cell.
+/// The most crossings of chords in one cell, and the most chords: each is held against each.
 const MOST_CROSSINGS: usize = 64;
+const MOST_CHORDS: usize = 1 << 14;
 
 /// Two chords of a face cross, so that no triangulation has both.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,8 +154,11 @@ impl<'g> Work<'g> {
     /// The chords of a cell, with a corner where two of them cross.
     ///
     /// # Errors
-    /// [`Crossed`] where that takes more than [`MOST_CROSSINGS`].
+    /// [`Crossed`] where there are more than [`MOST_CROSSINGS`], or more chords than [`MOST_CHORDS`].
     fn uncrossed(&mut self, chords: &[[u32; 2]]) -> Result<Vec<[u32; 2]>, Crossed> {
+        if MOST_CHORDS < chords.len() {
+            return Err(Crossed);
+        }
         let mut done: Vec<[u32; 2]> = vec![];
         let mut waiting = chords.to_vec();
         let mut crossings = 0;

@@ -52,10 +52,13 @@ struct Found {
     place: DVec3,
 }
 
+/// The trims of an edge, by face, loop and place in it, with the sides that each is cut into.
+type Trims = BTreeMap<(usize, usize, usize), Vec<usize>>;
+
 /// Gives the trims of each edge the same points. Each has enough that its chords are within what is `allowed` on its face of
 /// it, model units.
 pub(super) fn share(outlines: &mut [Outline], bounds: &[&Bounds], allowed: &[f64], points: &mut Points) {
-    let mut trims: BTreeMap<i64, BTreeMap<(usize, usize, usize), Vec<usize>>> = BTreeMap::new();
+    let mut trims: BTreeMap<i64, Trims> = BTreeMap::new();
     for (face, outline) in outlines.iter().enumerate() {
         for (side, own) in outline.sides.iter().enumerate() {
             if let Kind::Edge { edge, boundary, trim } = own.kind {

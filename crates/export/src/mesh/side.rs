@@ -8,6 +8,7 @@ use super::points::Points;
 use glam::{DVec2, DVec3};
 use nurbs::{BezierCurve, Hull, Rectangle, Surface};
 use scene::{FaceId, Model, Piece, Trim, closed};
+use std::collections::HashSet;
 
 /// What is at most this share of a face's size is a point in space, and more where its tolerance says so, up to [`SMALL`].
 const POINT: f64 = 1e-7;
@@ -90,8 +91,10 @@ impl Outline<'_> {
         let own = &mut self.sides[side];
         let [start, end] = [own.curve.start(), own.curve.end()];
         let (low, high) = (start[along].min(end[along]), start[along].max(end[along]));
-        let known: Vec<f64> = own.nodes.iter().map(|node| node.uv[along]).collect();
-        for value in values.iter().copied().filter(|value| low < *value && *value < high && !known.contains(value)) {
+        let known: HashSet<u64> = own.nodes.iter().map(|node| node.uv[along].to_bits()).collect();
+        for value in
+            values.iter().copied().filter(|value| low < *value && *value < high && !known.contains(&value.to_bits()))
+        {
             let mut uv = start;
             uv[along] = value;
             own.nodes.push(Node { s: (value - start[along]) / (end[along] - start[along]), uv, point: None });
