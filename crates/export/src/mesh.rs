@@ -276,19 +276,31 @@ impl Faces<'_, '_> {
         let face = |(index, cut): (usize, &Result<Triangulated, Crossed>)| match cut {
             Ok(cut) => {
                 let border = &self.borders[index].points;
-                let point = |corner: u32| match border.get(corner as usize) {
-                    Some(point) => numbers[*point],
-                    None => firsts[index] + corner - border.len() as u32,
+                let point = |corner: u32| {
+                    if let Some(point) = border.get(corner as usize) {
+                        return numbers[*point];
+                    }
+                    let own = firsts[index] + corner - border.len() as u32;
+                    // Trims that meet cross next to where they do: it is one point.
+                    let next = cut.beside.get(&corner).and_then(|next| border.get(*next as usize));
+                    let next = next.map(|point| numbers[*point]);
+                    next.filter(|next| self.is_one(index, points[*next as usize], points[own as usize])).unwrap_or(own)
                 };
                 self.face(index, cut, &points, &point)
             }
             Err(Crossed) => FaceMesh::default(),
         };
         let faces: Vec<FaceMesh> = cuts.par_iter().enumerate().map(face).collect();
-        let mut facts = self.facts(&faces, &points, numbers);
+        let mut facts = self.facts(&cuts, &faces, &points, numbers);
         let lost = (0..cuts.len()).filter(|face| cuts[*face].is_err());
         facts.left_out = lost.map(|face| self.model.number_in_file(FaceId(face as u32))).collect();
         Mesh { points, faces, facts }
+    }
+
+    /// Whether two places on a face are one, by its tolerance.
+    fn is_one(&self, index: usize, a: DVec3, b: DVec3) -> bool {
+        let size = self.outlines[index].surface.hull().diagonal();
+        a.distance(b) <= self.model.faces()[index].tolerance.max(side::POINT * size)
     }
 
     /// A face's corners with their normals, and its triangles turned as the face is; none with two corners in one point.
@@ -334,7 +346,13 @@ impl Faces<'_, '_> {
         own
     }
 
-    fn facts(&self, faces: &[FaceMesh], points: &[DVec3], numbers: &[u32]) -> Facts {
+    fn facts(
+        &self,
+        cuts: &[Result<Triangulated, Crossed>],
+        faces: &[FaceMesh],
+        points: &[DVec3],
+        numbers: &[u32],
+    ) -> Facts {
         let all = faces.iter().flat_map(|face| {
             face.triangles.iter().map(|triangle| triangle.map(|corner| face.corners[corner as usize].point))
         });
@@ -345,7 +363,14 @@ impl Faces<'_, '_> {
         {
             let Border { corners, points: own, .. } = &self.borders[index];
             let off = corners.iter().zip(own).map(|(uv, p)| outline.place(*uv).distance(points[numbers[*p] as usize]));
-            let off = off.fold(0.0, f64::max);
+            // Corners that were put into the one next to them.
+            let crossings = cuts[index].iter().flat_map(|cut| cut.beside.iter().map(move |(at, next)| (cut, at, next)));
+            let crossed = crossings.filter_map(|(cut, at, next)| {
+                let next = points[numbers[*own.get(*next as usize)?] as usize];
+                let place = outline.place(cut.corners[*at as usize]);
+                self.is_one(index, next, place).then(|| next.distance(place))
+            });
+            let off = off.chain(crossed).fold(0.0, f64::max);
             let bows = outline.sides.iter().enumerate().flat_map(|(side, own)| {
                 (0..own.nodes.len() - 1).map(move |node| outline.bow(self.bounds[index], side, node))
             });

@@ -25,6 +25,8 @@ pub(super) struct Triangulated {
     pub corners: Vec<DVec2>,
     /// Counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
+    /// Of corners where two chords cross, the corner of the border that is next, in lengths of the cell.
+    pub beside: HashMap<u32, u32>,
 }
 
 /// Triangulates what lies left of the chords, pairs of `corners`. Where two cross they get a corner, if that is asked for.
@@ -55,19 +57,21 @@ pub(super) fn triangulate(
                 }
                 Some(mut chords) => {
                     if may_split {
-                        chords = work.uncrossed(&chords)?;
+                        chords = work.uncrossed([i, j], &chords)?;
                     }
                     work.cell([i, j], &chords, winding != 0, &mut out)?;
                 }
             }
         }
     }
-    Ok(Triangulated { corners: work.corners, triangles: out })
+    Ok(Triangulated { corners: work.corners, triangles: out, beside: work.beside })
 }
 
 struct Work<'g> {
     grid: &'g Grid,
     corners: Vec<DVec2>,
+    /// See [`Triangulated::beside`].
+    beside: HashMap<u32, u32>,
     /// Corners of the grid that a corner stands on.
     known: HashMap<[usize; 2], u32>,
     /// Corners on lines, by the axis that is constant, its line, and the cell along it.
@@ -104,7 +108,7 @@ impl<'g> Work<'g> {
                 cells.entry(cell).or_default();
             }
         }
-        Self { grid, corners, known, on_lines, cells, beyond: vec![vec![0; columns + 1]; rows] }
+        Self { grid, corners, beside: HashMap::new(), known, on_lines, cells, beyond: vec![vec![0; columns + 1]; rows] }
     }
 
     /// Hands each chord to the cells that it is in or on, and counts it for the rows' windings.
@@ -155,7 +159,7 @@ impl<'g> Work<'g> {
     ///
     /// # Errors
     /// [`Crossed`] where there are more than [`MOST_CROSSINGS`], or more chords than [`MOST_CHORDS`].
-    fn uncrossed(&mut self, chords: &[[u32; 2]]) -> Result<Vec<[u32; 2]>, Crossed> {
+    fn uncrossed(&mut self, [i, j]: [usize; 2], chords: &[[u32; 2]]) -> Result<Vec<[u32; 2]>, Crossed> {
         if MOST_CHORDS < chords.len() {
             return Err(Crossed);
         }
@@ -178,6 +182,13 @@ impl<'g> Work<'g> {
             let at = self.corners.len() as u32;
             self.corners.push(own[0].lerp(own[1], share));
             let [from, to] = done.swap_remove(other);
+            let (lines, place) = (&self.grid.lines, self.corners[at as usize]);
+            let size = DVec2::new(lines[0][i + 1] - lines[0][i], lines[1][j + 1] - lines[1][j]);
+            let distance = |corner: &u32| ((self.corners[*corner as usize] - place) / size).length();
+            let ends = [from, to, chord[0], chord[1]].into_iter().filter(|corner| !self.beside.contains_key(corner));
+            if let Some(next) = ends.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+                self.beside.insert(at, next);
+            }
             waiting.extend([[from, at], [at, to], [chord[0], at], [at, chord[1]]]);
         }
         Ok(done)

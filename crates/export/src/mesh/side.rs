@@ -11,7 +11,7 @@ use scene::{FaceId, Model, Piece, Trim, closed};
 use std::collections::HashSet;
 
 /// What is at most this share of a face's size is a point in space, and more where its tolerance says so, up to [`SMALL`].
-const POINT: f64 = 1e-7;
+pub(super) const POINT: f64 = 1e-7;
 
 /// See [`POINT`].
 const SMALL: f64 = 1e-3;
