@@ -66,7 +66,9 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
 fn told(path: &str, format: &str, error: f64, written: &Written) -> String {
     let faces = written.faces;
     let Some(facts) = &written.mesh else {
-        return format!("{path}: {format}, {faces} faces, every control point, knot and weight bit for bit");
+        return format!(
+            "{path}: {format}, {faces} faces, control points, knots and weights of their surfaces bit for bit"
+        );
     };
     let Facts { triangles, distance, border, moved, open, non_manifold, euler, left_out } = facts;
     let lost = match &left_out[..] {
