@@ -73,7 +73,7 @@ fn told(path: &str, format: &str, error: f64, written: &Written) -> String {
     let Facts { triangles, distance, border, moved, open, non_manifold, euler, left_out } = facts;
     let lost = match &left_out[..] {
         [] => String::new(),
-        lost => format!("left out: faces {lost:?}, whose trims cross too often\n"),
+        lost => format!("left out: faces {lost:?}, whose trims cross too often, or which are a point\n"),
     };
     format!(
         "{lost}borders within {border:.3e} of the trims; corners moved by up to {moved:.1e} to meet their neighbours'; Euler \

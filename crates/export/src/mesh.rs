@@ -292,7 +292,7 @@ impl Faces<'_, '_> {
         };
         let faces: Vec<FaceMesh> = cuts.par_iter().enumerate().map(face).collect();
         let mut facts = self.facts(&cuts, &faces, &points, numbers);
-        let lost = (0..cuts.len()).filter(|face| cuts[*face].is_err());
+        let lost = (0..faces.len()).filter(|face| faces[*face].triangles.is_empty());
         facts.left_out = lost.map(|face| self.model.number_in_file(FaceId(face as u32))).collect();
         Mesh { points, faces, facts }
     }

@@ -19,7 +19,7 @@ pub struct Facts {
     pub non_manifold: usize,
     /// Vertices less edges plus triangles: 2 for a ball, 0 for a ring.
     pub euler: i64,
-    /// Faces that could not be triangulated, by their numbers in the file: their trims' chords still cross at the finest.
+    /// Faces without a triangle, by their numbers in the file: their trims' chords cross too often, or they are a point in space.
     pub left_out: Vec<usize>,
 }
 

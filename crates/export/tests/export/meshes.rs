@@ -221,3 +221,11 @@ fn too_many_triangles_are_an_error_before_they_are_made() {
     }
     assert!(matches!(write(&document, "stl", 1e-300), Err(ExportError::TooManyTriangles { .. })));
 }
+
+/// Lengths of 1e-163 have no squares, and the sides of this face count as points: nothing is left of it, and that is said.
+#[test]
+fn a_face_without_triangles_is_named() {
+    let document = document("hostile/tiny-1e-163.json");
+    let facts = meshed(&document.model, usual(&document.model)).facts;
+    assert_eq!((facts.triangles, &facts.left_out[..]), (0, &[0][..]));
+}
