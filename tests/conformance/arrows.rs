@@ -10,6 +10,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("nurbs", &[]),
     ("scene", &["nurbs"]),
     ("formats", &["files", "nurbs", "scene"]),
+    ("export", &["files", "nurbs", "scene", "formats"]),
     ("models", &["nurbs", "scene", "formats"]),
     ("gbuffer", &["files", "nurbs", "scene"]),
     ("pipeline", &["nurbs", "scene", "gbuffer"]),

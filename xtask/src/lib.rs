@@ -10,6 +10,7 @@ pub mod ci;
 pub mod compare;
 pub mod conform;
 pub mod continuity;
+pub mod convert;
 pub mod cost;
 pub mod eval;
 pub mod format;

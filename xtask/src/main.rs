@@ -4,8 +4,8 @@ use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use xtask::terminal::{self, OutputError};
 use xtask::{
-    adapters, bench, bless, ci, compare, conform, continuity, eval, geiger, info, kanai, mutants, pixel, render, scene,
-    study,
+    adapters, bench, bless, ci, compare, conform, continuity, convert, eval, geiger, info, kanai, mutants, pixel,
+    render, scene, study,
 };
 
 /// Isophote: NURBS surfaces, exact per pixel, three independent ways, and how far the three agree
@@ -21,6 +21,7 @@ enum Command {
     Compare(compare::CompareArgs),
     Conform(conform::ConformArgs),
     Continuity(continuity::ContinuityArgs),
+    Convert(convert::ConvertArgs),
     Render(render::RenderArgs),
     Scene(scene::SceneArgs),
     Eval(eval::EvalArgs),
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Conform(args) => conform::run(&args),
         Command::Continuity(args) => continuity::run(&args),
+        Command::Convert(args) => done(convert::run(&args)),
         Command::Render(args) => done(render::run(&args)),
         Command::Scene(args) => done(scene::run(&args)),
         Command::Eval(args) => done(eval::run(&args)),

@@ -105,8 +105,12 @@ impl<'u> Closed<'u> {
         for edge in &bound.uses {
             let mut path = match (&edge.plane, &edge.space) {
                 (Some(plane), space) => {
-                    let given = Path::given(shape, plane, space.as_ref());
-                    let better = space.as_ref().filter(|_| source.tolerance.max(tolerance) < given.gap);
+                    let mut given = Path::given(shape, plane, space.as_ref());
+                    let enough = source.tolerance.max(tolerance);
+                    if let Some(space) = space.as_ref().filter(|_| enough < given.gap) {
+                        given.measure(shape, space, enough);
+                    }
+                    let better = space.as_ref().filter(|_| enough < given.gap);
                     let better = better.map(|space| Path::found(shape, inverter, space, tolerance));
                     better.filter(|path| path.gap < 0.5 * given.gap).unwrap_or(given)
                 }

@@ -11,6 +11,12 @@ const SAMPLES: usize = 8;
 /// The most samples of one path.
 const MOST_SAMPLES: usize = 1 << 14;
 
+/// How far the same place of an edge may be in its two curves' parameters, of 1, where they run at different speeds.
+const SPEEDS: f64 = 1.0 / 16.0;
+
+/// Thirds cut off that stretch: what is left is 10⁻⁹ of the curve.
+const THIRDS: u32 = 50;
+
 /// How near to a pole the angle of a path is taken that ends there, as a share of the distance between two samples.
 const BESIDE_POLE: f64 = 1e-4;
 
@@ -89,6 +95,33 @@ impl<'u> Path<'u> {
         let gap = samples.iter().zip(&uv).map(distance).fold(0.0, f64::max);
         let offset = shape.turns(uv[uv.len() / 2]);
         Self { source: Source::Given(plane), samples, uv, free: [None; 2], gap, offset, iso: None }
+    }
+
+    /// Measures how far the path is from the edge in space where the two begin and end together, to `tolerance`, and run at
+    /// different speeds between, as files may have them: each sample from the nearest place of the edge, sought near the same
+    /// parameter. A curve that ends before the edge's range does is no such.
+    pub fn measure(&mut self, shape: &Shape, space: &Piece, tolerance: f64) {
+        let Source::Given(Piece { curve, range: [start, end] }) = self.source else { return };
+        if curve.domain().is_none_or(|[first, last]| *start < first || last < *end) {
+            return;
+        }
+        let last = self.uv.len() - 1;
+        let is_apart = |i: usize| tolerance < shape.point(self.uv[i]).distance(space.point(self.samples[i]));
+        if is_apart(0) || is_apart(last) {
+            return;
+        }
+        let distance = |(s, uv): (&f64, &DVec2)| {
+            let point = shape.point(*uv);
+            let [mut low, mut high] = [s - SPEEDS, s + SPEEDS].map(|s| s.clamp(0.0, 1.0));
+            for _ in 0..THIRDS {
+                let third = (high - low) / 3.0;
+                let [a, b] = [low + third, high - third];
+                let is_first = space.point(a).distance_squared(point) < space.point(b).distance_squared(point);
+                if is_first { high = b } else { low = a }
+            }
+            space.point(0.5 * (low + high)).distance(point).min(space.point(*s).distance(point))
+        };
+        self.gap = self.samples.iter().zip(&self.uv).map(distance).fold(0.0, f64::max);
     }
 
     /// The path of an edge in space; `enough` is how near a search has to come to be taken at once, model units.

@@ -1,0 +1,41 @@
+//! The one list of writers, and the way of a document into a file.
+
+use crate::error::ExportError;
+use crate::gltf::Gltf;
+use crate::json::Json;
+use crate::obj::Obj;
+use crate::step::Step;
+use crate::stl::Stl;
+use crate::writer::{Asked, Writer, Written};
+use formats::Document;
+use std::path::Path;
+
+/// All writers, each chosen by its extensions.
+pub static WRITERS: &[&dyn Writer] = &[&Json, &Step, &Obj, &Stl, &Gltf];
+
+/// The writer of a path, by its extension, in upper or lower case.
+///
+/// # Errors
+/// [`ExportError::UnknownExtension`], which lists those that there are.
+pub fn writer_of(path: &Path) -> Result<&'static dyn Writer, ExportError> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let found = WRITERS.iter().find(|writer| writer.extensions().contains(&extension.as_str()));
+    found.copied().ok_or_else(|| {
+        let known = WRITERS.iter().flat_map(|writer| writer.extensions()).map(|e| format!(".{e}"));
+        ExportError::UnknownExtension { extension, known: known.collect::<Vec<_>>().join(", ") }
+    })
+}
+
+/// Writes a document to a file of the format that its extension names, whole or not at all.
+///
+/// # Errors
+/// [`ExportError::UnknownExtension`], [`ExportError::Error`], those of the writer, and [`ExportError::Io`].
+pub fn export(path: &Path, document: &Document, asked: Asked) -> Result<Written, ExportError> {
+    let writer = writer_of(path)?;
+    if asked.error.is_nan() || asked.error <= 0.0 || asked.error.is_infinite() {
+        return Err(ExportError::Error(asked.error));
+    }
+    let ready = writer.prepare(document, asked)?;
+    files::write(path, |out| (ready.fill)(out))?;
+    Ok(ready.written)
+}
