@@ -16,6 +16,7 @@ pub mod format;
 pub mod geiger;
 pub mod info;
 pub mod kanai;
+pub mod limits;
 pub mod masks;
 pub mod mutants;
 pub mod number;

@@ -14,7 +14,7 @@ use raycast::Caster;
 use scene::{Camera, Model, SamplePattern, Viewport};
 use serde::Serialize;
 use std::sync::Arc;
-use techniques::{DEFAULT_CHORD_PX, Prepared, Setting, Technique};
+use techniques::{DEFAULT_CHORD_PX, Limits, Prepared, Setting, Technique};
 
 /// A colour shaded on the GPU may differ from that of its own G-buffer by this much in a channel: one step of
 /// rounding to 8 bits on either side.
@@ -42,6 +42,8 @@ pub struct Plan {
     pub edges: bool,
     /// Whether pixels show the points of flat triangles, and normals interpolated over them, in place of the surface's own.
     pub vertex_normals: bool,
+    /// What grids may come to beside the chord error.
+    pub limits: Limits,
     /// The share of covered pixels that may have no verdict for want of a bound: what the scene states.
     pub unbounded_share: f64,
 }
@@ -55,6 +57,7 @@ impl Default for Plan {
             trim: Trimming::default(),
             edges: false,
             vertex_normals: false,
+            limits: Limits::default(),
             unbounded_share: UNBOUNDED_SHARE,
         }
     }
@@ -192,7 +195,8 @@ impl<'m> Stage<'m> {
     /// Where the model cannot be packed or the chord error asks for too many triangles.
     pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, plan: Plan) -> Result<Self> {
         let scene = Arc::new(plan.packed(model, &camera, viewport)?);
-        let setting = Setting { model, scene: &scene, camera: &camera, viewport, chord_px: plan.chord_px };
+        let Plan { chord_px, limits, .. } = plan;
+        let setting = Setting { model, scene: &scene, camera: &camera, viewport, chord_px, limits };
         let prepared = plan.technique.prepare(&setting)?;
         if plan.vertex_normals && prepared.cells().is_empty() {
             bail!(
@@ -203,7 +207,7 @@ impl<'m> Stage<'m> {
         if let Some(kept) = prepared.built_px().filter(|kept| *kept > plan.chord_px) {
             let (asked, triangles) = (plan.chord_px, prepared.triangles());
             terminal::note(format_args!(
-                "note: a chord error of {asked} px takes too many triangles from here; {triangles} keep to {kept} px"
+                "note: a chord error of {asked} px takes more than it may from here; {triangles} triangles keep to {kept} px"
             ));
         }
         let views = scene.views(model, &camera, viewport);

@@ -2,6 +2,7 @@
 
 use crate::antialias::Antialias;
 use crate::format::Format;
+use crate::limits::LimitArgs;
 use crate::masks::TrimArgs;
 use crate::stage::Plan;
 use crate::view::ViewArgs;
@@ -73,6 +74,8 @@ pub struct DrawingArgs {
     /// Where normals are evaluated: at each pixel, or at the corners of triangles and interpolated
     #[arg(long, value_enum, default_value = "fragment")]
     normals: Normals,
+    #[command(flatten)]
+    limits: LimitArgs,
     /// The share of covered pixels that may have no verdict for want of a bound, as poles have none; from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE, value_parser = number::share, allow_hyphen_values = true)]
     unbounded: f64,
@@ -149,6 +152,7 @@ impl DrawingArgs {
             trim: self.trim.trimming(),
             edges: false,
             vertex_normals: self.normals == Normals::Vertex,
+            limits: self.limits.limits(),
             unbounded_share: self.unbounded,
         }
     }
