@@ -4,6 +4,7 @@
 
 pub mod adapters;
 pub mod antialias;
+pub mod approximate;
 pub mod bench;
 pub mod bless;
 pub mod ci;

@@ -1,6 +1,7 @@
 //! `render`: one renderer, one picture or G-buffer.
 
 use crate::antialias::Antialias;
+use crate::approximate::ApproximateArgs;
 use crate::compare::{DrawingArgs, Shade};
 use crate::masks::MaskReport;
 use crate::say;
@@ -24,6 +25,8 @@ pub struct RenderArgs {
     view: ViewArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
+    #[command(flatten)]
+    approximate: ApproximateArgs,
     /// Which renderer
     #[arg(long, value_enum, default_value = "raster")]
     with: With,
@@ -60,23 +63,28 @@ enum With {
 /// # Errors
 /// Where input is bad, there is no adapter, or a file cannot be written.
 pub fn run(args: &RenderArgs) -> Result<()> {
-    let model = args.model.open()?;
+    let original = args.model.open()?;
     let viewport = args.view.viewport()?;
-    let camera = args.view.camera(&model, viewport)?;
+    let camera = args.view.camera(&original, viewport)?;
+    let drawn = args.approximate.drawn(&original, &camera, viewport)?;
+    let model = drawn.as_ref().map_or(&original, |drawn| &drawn.model);
+    if let Some(drawn) = &drawn {
+        terminal::note(format_args!("{}", drawn.facts.line()));
+    }
     let count = args.antialias.pattern().positions().len();
     let mut paths = args.gbuffer.as_ref().map(|path| files(path, count).into_iter());
     let shading = args.shade.shading();
     let shows = args.out.is_some() || (args.gbuffer.is_none() && terminal::is_terminal());
     let bar = (count > 1).then(|| terminal::progress("samples", count));
     let (mut covered, mut open, mut pictures) = (0, 0, vec![]);
-    each_sample(args, &model, camera, viewport, |camera, buffer| {
+    each_sample(args, model, camera, viewport, |camera, buffer| {
         if let Some(path) = paths.as_mut().and_then(Iterator::next) {
             buffer.write_npz(path)?;
         }
         covered += buffer.covered();
         open += buffer.undecided();
         if shows {
-            let picture = buffer.shaded(&shading, &model, camera)?;
+            let picture = buffer.shaded(&shading, model, camera)?;
             pictures.push(if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture });
         }
         bar.iter().for_each(|bar| bar.inc(1));

@@ -3,7 +3,8 @@
 use crate::terminal;
 use anyhow::{Result, bail};
 use compare::{
-    Deviation, Interpolation, Judge, PairReport, PixelVerdict, Sampler, UNBOUNDED_SHARE, Verdict, VertexNormals,
+    Deviation, Interpolation, Judge, PairReport, PixelVerdict, Sampler, StandIn, UNBOUNDED_SHARE, Verdict,
+    VertexNormals,
 };
 use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeInput, Shading, Trims, shade_tolerant};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval, enclose};
@@ -103,6 +104,19 @@ pub struct Stage<'m> {
     pub views: Vec<View>,
     /// How accurately its parameters are interpolated over them.
     pub interpolation: Interpolation,
+    /// What the model stands for, where it is drawn in the place of another.
+    pub original: Option<Original<'m>>,
+}
+
+/// A model in whose place a stage draws another, by which it is judged.
+#[derive(Clone)]
+pub struct Original<'m> {
+    /// It.
+    model: &'m Model,
+    /// It, as rasterizers would read it.
+    scene: Arc<PackedScene>,
+    /// How the other lies on it.
+    stand_in: &'m StandIn,
 }
 
 /// The three G-buffers of a stage; the GPU's where there was an adapter.
@@ -212,7 +226,21 @@ impl<'m> Stage<'m> {
         }
         let views = scene.views(model, &camera, viewport);
         let interpolation = Interpolation::of(model);
-        Ok(Self { model, camera, viewport, plan, scene, prepared, views, interpolation })
+        Ok(Self { model, camera, viewport, plan, scene, prepared, views, interpolation, original: None })
+    }
+
+    /// The same stage, judged as one that draws its model in the place of `model`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn in_place_of(self, model: &'m Model, stand_in: &'m StandIn) -> Result<Self> {
+        let scene = Arc::new(self.plan.packed(model, &self.camera, self.viewport)?);
+        Ok(Self { original: Some(Original { model, scene, stand_in }), ..self })
+    }
+
+    /// The model that pictures are judged by: what rays are to be cast at.
+    pub fn truth(&self) -> &'m Model {
+        self.original.as_ref().map_or(self.model, |original| original.model)
     }
 
     /// A stage a sample of `pattern`, in its order. Scene, masks and triangles are those of this stage: a pixel's size at a
@@ -224,6 +252,7 @@ impl<'m> Stage<'m> {
             prepared: self.prepared.clone(),
             views: self.scene.views(self.model, &camera, self.viewport),
             interpolation: self.interpolation.clone(),
+            original: self.original.clone(),
             ..*self
         })
     }
@@ -369,9 +398,8 @@ impl<'m> Stage<'m> {
             pairs.push((raycast, &rays, &gpu.gbuffer, true));
             pairs.push((raster, &triangles, &gpu.gbuffer, false));
         }
-        let judge = self.judge();
         let verdict = |(reference, sampler, candidate, exact): (&GBuffer, &dyn Sampler, &GBuffer, bool)| {
-            let verdict = judge.pixel(reference, sampler, candidate, &self.deviation(exact), exact, at)?;
+            let verdict = self.judge(exact).pixel(reference, sampler, candidate, &self.deviation(exact), exact, at)?;
             Ok((reference.meta().renderer.clone(), candidate.meta().renderer.clone(), verdict))
         };
         pairs.into_iter().map(verdict).collect()
@@ -386,8 +414,15 @@ impl<'m> Stage<'m> {
         Rays { caster, camera: self.camera, viewport: self.viewport }
     }
 
-    fn judge(&self) -> Judge<'_> {
-        Judge::new(self.model, &self.camera, self.viewport, &self.scene).with_unbounded_share(self.plan.unbounded_share)
+    /// Of pictures against the surface itself, or of two renderers of the same triangles.
+    fn judge(&self, exact: bool) -> Judge<'_> {
+        let judge = match self.original.as_ref().filter(|_| exact) {
+            None => Judge::new(self.model, &self.camera, self.viewport, &self.scene),
+            Some(Original { model, scene, .. }) => {
+                Judge::new(model, &self.camera, self.viewport, scene).of_drawn(self.model, &self.scene)
+            }
+        };
+        judge.with_unbounded_share(self.plan.unbounded_share)
     }
 
     /// The allowance against the surface itself, or between two renderers of the same triangles.
@@ -403,6 +438,10 @@ impl<'m> Stage<'m> {
         } else {
             deviation
         };
+        let deviation = match self.original.as_ref().filter(|_| exact) {
+            None => deviation,
+            Some(original) => deviation.of_stand_in(original.stand_in),
+        };
         match &self.scene.masks() {
             None => deviation,
             Some(masks) => {
@@ -416,7 +455,7 @@ impl<'m> Stage<'m> {
         let what = format!("{} | {}", reference.meta().renderer, candidate.meta().renderer);
         let bar = terminal::progress(&what, self.viewport.height());
         let deviation = self.deviation(exact);
-        Ok(self.judge().pair(reference, sampler, candidate, &deviation, exact, &|rows| bar.inc(rows as u64))?)
+        Ok(self.judge(exact).pair(reference, sampler, candidate, &deviation, exact, &|rows| bar.inc(rows as u64))?)
     }
 
     /// Judges the picture that the GPU shaded in its fragment stage by the G-buffer that it returned beside it.

@@ -1,6 +1,7 @@
 //! What is asked for: which pictures, and how they are drawn.
 
 use crate::antialias::Antialias;
+use crate::approximate::ApproximateArgs;
 use crate::format::Format;
 use crate::limits::LimitArgs;
 use crate::masks::TrimArgs;
@@ -43,6 +44,8 @@ pub struct CompareArgs {
     pub(super) view: ViewArgs,
     #[command(flatten)]
     pub(super) drawing: DrawingArgs,
+    #[command(flatten)]
+    pub(super) approximate: ApproximateArgs,
     /// What the pictures show
     #[arg(long, value_enum, default_value = "isophotes")]
     pub(super) shade: Shade,
