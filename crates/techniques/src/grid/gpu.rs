@@ -43,6 +43,10 @@ const BLOCK: u32 = 256 * 4;
 /// Tiles that there is room for at least.
 const LEAST_CAPACITY: u64 = 1024;
 
+/// Corners of an instance about: small tiles are drawn many to an instance, since a GPU runs the corners of one instance together
+/// and leaves the rest of its lanes idle.
+const BUNCH_CORNERS: u32 = 128;
+
 /// Distance of the draw calls' uniforms in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
 const CALL_STRIDE: usize = 256;
 
@@ -72,6 +76,7 @@ struct DrawCall {
     start: u32,
     first_grid: u32,
     end_grid: u32,
+    tiles: u32,
 }
 
 impl Drawable for Grids {
@@ -129,12 +134,26 @@ struct Room {
     drawn_group: wgpu::BindGroup,
 }
 
-/// The indices of all sizes, and of each the first and how many they are.
+/// Corners of a tile of this size.
+fn corners_of(size: u32) -> u32 {
+    ((1 << (size / SIDES)) + 1) * ((1 << (size % SIDES)) + 1)
+}
+
+/// Tiles of this size that are one instance.
+fn bunch_of(size: u32) -> u32 {
+    (BUNCH_CORNERS / corners_of(size)).max(1)
+}
+
+/// The indices of all sizes' instances, and of each the first and how many they are.
 fn all_indices() -> (Vec<u16>, [[u32; 2]; SIZES as usize]) {
     let mut all: Vec<u16> = vec![];
     let ranges = std::array::from_fn(|size| {
         let first = all.len() as u32;
-        all.extend(indices([size as u32 / SIDES, size as u32 % SIDES]));
+        let size = size as u32;
+        for tile in 0..bunch_of(size) {
+            let first = (tile * corners_of(size)) as u16;
+            all.extend(indices([size / SIDES, size % SIDES]).map(|index| first + index));
+        }
         [first, all.len() as u32 - first]
     });
     (all, ranges)
@@ -160,7 +179,8 @@ impl Buffers {
         let calls: Vec<DrawCall> = grids.programs.iter().flat_map(of_program).collect();
         let mut numbers = vec![0u32; CALL_STRIDE / 4 * calls.len().max(1)];
         for (number, uniform) in (0..).zip(numbers.chunks_exact_mut(CALL_STRIDE / 4)) {
-            uniform[..2].copy_from_slice(&[number, (1 << (number % SIDES)) + 1]);
+            let (across, size) = ((1 << (number % SIDES)) + 1, number % SIZES);
+            uniform[..4].copy_from_slice(&[number, across, corners_of(size), bunch_of(size)]);
         }
         let calls = bytemuck::cast_slice(&calls);
         Ok(Self {
@@ -373,6 +393,7 @@ mod tests {
             ("GREATEST_SIDE", GREATEST_SIDE),
             ("OUT", OUT),
             ("SCANNERS", BLOCK / 4),
+            ("BUNCH_CORNERS", BUNCH_CORNERS),
             ("EACH", 4),
         ] {
             assert_eq!(constant(name), Expression::Literal(Literal::U32(value)), "{name}");
@@ -410,8 +431,9 @@ mod tests {
                 assert!(records == expected.records, "{name}");
                 assert!(expected.tiles.iter().all(|tile| tile.grid < grids.records.len() as u32));
                 let mut drawn = vec![];
-                for call in calls {
-                    drawn.extend_from_slice(&tiles[call.start as usize..(call.start + call.instances) as usize]);
+                for (number, call) in (0..).zip(calls) {
+                    assert_eq!(call.instances, call.tiles.div_ceil(bunch_of(number % SIZES)));
+                    drawn.extend_from_slice(&tiles[call.start as usize..(call.start + call.tiles) as usize]);
                 }
                 let expected: Vec<_> = expected.tiles.iter().map(|t| [t.grid, t.at[0] << 16 | t.at[1]]).collect();
                 assert!(drawn == expected, "{name}: {} tiles, not {}", drawn.len(), expected.len());
