@@ -96,6 +96,7 @@ fn measured(scene: &Scene, technique: &'static dyn Technique, goal: Goal) -> Res
         prepared,
         views: scene.stage.views.clone(),
         interpolation: scene.stage.interpolation.clone(),
+        vertex_normals: None,
         original: scene.stage.original.clone(),
         ..*scene.stage
     };
