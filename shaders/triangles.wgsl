@@ -67,11 +67,28 @@ fn fragment_gbuffer(in: VertexOutput) -> GBufferOutput {
     return gbuffer_output(in.face, f, in.clip.xy);
 }
 
+// Where a fragment is, without what the surface is there: all that a colour takes of it where triangles carry the rest.
+fn unevaluated(in: VertexOutput) -> Fragment {
+    let face = faces[in.face];
+    let at = found(face, Parameters(in.span, in.uv));
+    let span_u = span_of(face.table_u, face.spans_u, degree(face.degree_u), at.span.x);
+    let span_v = span_of(face.table_v, face.spans_v, degree(face.degree_v), at.span.y);
+    var f: Fragment;
+    f.uv = at.uv;
+    f.span = at.span;
+    f.whole = vec2<f32>(whole(span_u, at.uv.x), whole(span_v, at.uv.y));
+    return f;
+}
+
 @fragment
 fn fragment_shaded(in: VertexOutput) -> @location(0) vec4<f32> {
-    var f = shown(in);
-    if (VERTEX_NORMALS) {
-        f = carried(in, f);
+    var f: Fragment;
+    if (VERTEX_NORMALS && !TRIMMED) {
+        f = carried(in, unevaluated(in));
+    } else if (VERTEX_NORMALS) {
+        f = carried(in, shown(in));
+    } else {
+        f = shown(in);
     }
     // The flat triangle's point is on the pixel's ray; S is off it by the chord.
     return shaded_output(in.face, f, in.local);

@@ -1,7 +1,7 @@
 // Entry points of technique `exact`: compute kernels, run in the order in which they stand here. No fragment stage is
 // fit for it: a search writes its own depth, so that nothing hidden is culled early, and hulls overlap.
 // Host: crates/techniques/src/exact/gpu.rs.
-// Uses exact/newton.wgsl exact/place.wgsl layout.wgsl fragment.wgsl sight.wgsl output.wgsl
+// Uses exact/newton.wgsl exact/place.wgsl exact/resolve.wgsl layout.wgsl fragment.wgsl sight.wgsl
 
 const WORKGROUP: u32 = 64u;
 // Threads that share a small hull, and the pixels of its rectangle at most.
@@ -63,11 +63,6 @@ struct Batch {
 @group(1) @binding(2) var<storage, read_write> picture: Picture;
 @group(1) @binding(3) var<storage, read_write> meetings: array<Meeting>;
 @group(1) @binding(4) var<uniform> batch: Batch;
-@group(2) @binding(0) var identity_target: texture_storage_2d<rgba32uint, write>;
-@group(2) @binding(1) var position_target: texture_storage_2d<rgba32float, write>;
-@group(2) @binding(2) var normal_target: texture_storage_2d<rgba32float, write>;
-@group(2) @binding(3) var shape_target: texture_storage_2d<rgba32float, write>;
-@group(2) @binding(4) var colour_target: texture_storage_2d<rgba8unorm, write>;
 
 // The place of a thread among all of a dispatch that may be more than one row of workgroups.
 fn place_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
@@ -263,11 +258,7 @@ fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let meeting = meetings[shown - 1u];
     let face = pieces[meeting.piece].face;
-    let g = gbuffer_output(face, fragment(face, met_at(meeting)), vec2<f32>(id.xy) + 0.5);
-    textureStore(identity_target, id.xy, g.identity);
-    textureStore(position_target, id.xy, g.position);
-    textureStore(normal_target, id.xy, g.normal);
-    textureStore(shape_target, id.xy, g.shape);
+    write_gbuffer(id.xy, face, met_at(meeting));
 }
 
 @compute @workgroup_size(TILE, TILE)
@@ -278,6 +269,5 @@ fn resolve_shaded(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let meeting = meetings[shown - 1u];
     let face = pieces[meeting.piece].face;
-    let f = fragment(face, met_at(meeting));
-    textureStore(colour_target, id.xy, shaded_output(face, f, f.position));
+    write_shaded(id.xy, face, met_at(meeting));
 }

@@ -31,7 +31,8 @@ struct Asked {
     draws: u32,
     // 0, which no compiler knows.
     zero: u32,
-    padding: u32,
+    // 1 / error_px.
+    per_error: f32,
 }
 
 @group(2) @binding(0) var<storage, read_write> settled: array<GridRecord>;
@@ -123,8 +124,15 @@ fn choose(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let forward = max(max(abs(w.x), abs(w.y)), abs(w.z));
     let away = product(product(NEAREST_SHARE, measures[grid].diagonal), forward);
-    let pixel = product(views[face].units.w, max(range(w, grid).x, away));
-    let level = level_of(measures[grid].bend, product(asked.error_px, pixel));
+    var pixel = product(views[face].units.w, max(range(w, grid).x, away));
+    let allowed = product(asked.error_px, pixel);
+    let level = level_of(measures[grid].bend, allowed);
+    // Where the greatest level leaves more, skirts are as wide.
+    let off = chord(measures[grid].bend, level);
+    let widened = product(off, asked.per_error);
+    if (off > allowed && widened <= GREATEST) {
+        pixel = widened;
+    }
     settled[grid].level = level;
     let groups = measures[grid].groups;
     atomicMax(&marks[groups.x], level.y);

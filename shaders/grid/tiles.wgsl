@@ -7,6 +7,7 @@ const SIDES: u32 = GREATEST_SIDE + 1u;
 const SIZES: u32 = SIDES * SIDES;
 const SCANNERS: u32 = 256u;
 const EACH: u32 = 4u;
+const BUNCH_CORNERS: u32 = 128u;
 
 struct Band {
     start: u32,
@@ -31,6 +32,8 @@ struct DrawCall {
     // The grids of its program.
     first_grid: u32,
     end_grid: u32,
+    // How many they are; an instance is a bunch of them.
+    tiles: u32,
 }
 
 // Of each size and grid how many tiles there are, and then how many before them; all of them; sums of blocks.
@@ -53,12 +56,14 @@ fn bands(grid: u32, k: u32) -> array<Band, 3> {
     return array<Band, 3>(Band(0u, low, 0u), Band(low, length, side), Band(low + length, high, 0u));
 }
 
-// How many tiles of a size a grid has; with less than that given as `wanted`, also where that one is.
-fn tiles_of(grid: u32, size: u32, wanted: u32) -> vec3<u32> {
-    var found = vec3<u32>(0u);
-    if (settled[grid].sides == OUT) {
-        return found;
-    }
+// Corners of a tile of a size.
+fn corners_of(size: u32) -> u32 {
+    return ((1u << (size / SIDES)) + 1u) * ((1u << (size % SIDES)) + 1u);
+}
+
+// Where a grid has the tile of a size that has a number.
+fn tile_at(grid: u32, size: u32, number: u32) -> vec2<u32> {
+    var before = 0u;
     var rows = bands(grid, 0u);
     var columns = bands(grid, 1u);
     for (var pair = 0u; pair < 9u; pair++) {
@@ -69,14 +74,13 @@ fn tiles_of(grid: u32, size: u32, wanted: u32) -> vec3<u32> {
         }
         let across = column.length >> column.side;
         let count = (row.length >> row.side) * across;
-        if (wanted >= found.x && wanted - found.x < count) {
-            let k = wanted - found.x;
-            found.y = row.start + ((k / across) << row.side);
-            found.z = column.start + ((k % across) << column.side);
+        if (number - before < count) {
+            let k = number - before;
+            return vec2<u32>(row.start + ((k / across) << row.side), column.start + ((k % across) << column.side));
         }
-        found.x += count;
+        before += count;
     }
-    return found;
+    return vec2<u32>(0u);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -85,8 +89,18 @@ fn count_tiles(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     settle(id.x);
+    var own: array<u32, SIZES>;
+    if (settled[id.x].sides != OUT) {
+        var rows = bands(id.x, 0u);
+        var columns = bands(id.x, 1u);
+        for (var pair = 0u; pair < 9u; pair++) {
+            let row = rows[pair / 3u];
+            let column = columns[pair % 3u];
+            own[row.side * SIDES + column.side] += (row.length >> row.side) * (column.length >> column.side);
+        }
+    }
     for (var size = 0u; size < SIZES; size++) {
-        counts[size * asked.grids + id.x] = tiles_of(id.x, size, 0u).x;
+        counts[size * asked.grids + id.x] = own[size];
     }
 }
 
@@ -174,7 +188,10 @@ fn fill_calls(@builtin(global_invocation_id) id: vec3<u32>) {
     let row = id.x % SIZES * asked.grids;
     let start = min(counts[row + calls[id.x].first_grid], asked.capacity);
     calls[id.x].start = start;
-    calls[id.x].instances = min(counts[row + calls[id.x].end_grid], asked.capacity) - start;
+    let tiles = min(counts[row + calls[id.x].end_grid], asked.capacity) - start;
+    let bunch = max(BUNCH_CORNERS / corners_of(id.x % SIZES), 1u);
+    calls[id.x].tiles = tiles;
+    calls[id.x].instances = (tiles + bunch - 1u) / bunch;
 }
 
 // A thread a tile.
@@ -196,6 +213,6 @@ fn place_tiles(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
     let grid = low % asked.grids;
-    let at = tiles_of(grid, low / asked.grids, id.x - counts[low]).yz;
+    let at = tile_at(grid, low / asked.grids, id.x - counts[low]);
     placed[id.x] = Tile(grid, (at.x << 16u) | at.y);
 }

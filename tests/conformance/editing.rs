@@ -4,8 +4,8 @@ use gbuffer::GBuffer;
 use glam::DVec3;
 use pipeline::{PackedScene, Scheme};
 use scene::{Camera, FaceId, Model, Viewport};
-use techniques::Setting;
 use techniques::fragment::Tessellation;
+use techniques::{Limits, Setting};
 
 /// The model with a corner of its net's middle pulled up by a tenth of its size.
 fn pulled(model: &Model) -> Model {
@@ -16,7 +16,7 @@ fn pulled(model: &Model) -> Model {
 }
 
 fn setting<'a>(model: &'a Model, scene: &'a PackedScene, camera: &'a Camera, viewport: Viewport) -> Setting<'a> {
-    Setting { model, scene, camera, viewport, chord_px: 0.25 }
+    Setting { model, scene, camera, viewport, chord_px: 0.25, limits: Limits::default() }
 }
 
 /// What a renderer that was made with the pulled model shows, and what one shows that had to learn of it.

@@ -1,5 +1,6 @@
 //! What a user would lose: twins, three-way agreement, goldens, oracles, the comparer itself, and the command line.
 
+mod approximated;
 mod arrows;
 mod attribution;
 mod circles;

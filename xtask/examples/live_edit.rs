@@ -11,7 +11,7 @@ use scene::{Camera, FaceId, Model, Viewport};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::Arc;
-use techniques::{Prepared, Setting};
+use techniques::{Limits, Prepared, Setting};
 
 /// The control point that is pulled.
 const PULLED: [usize; 2] = [2, 2];
@@ -36,7 +36,8 @@ fn main() -> Result<()> {
         let model = model.with_surface(0, start.with_point(PULLED, rest + DVec3::Z * lift)?);
         let scene = PackedScene::new(&model, Scheme::Specialised)?;
         let chord_px = techniques::DEFAULT_CHORD_PX;
-        let setting = Setting { model: &model, scene: &scene, camera: &camera, viewport, chord_px };
+        let setting =
+            Setting { model: &model, scene: &scene, camera: &camera, viewport, chord_px, limits: Limits::default() };
         let prepared: Arc<dyn Prepared> = match shown.last() {
             None => techniques::ALL[0].prepare(&setting)?,
             Some((_, _, before)) => Prepared::edited(&**before, &setting, FaceId(0))?,

@@ -24,6 +24,9 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     let is_saved = |subject: &&String| Path::new(subject).extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     let subjects: Vec<&String> = args.subjects.iter().collect();
     match (subjects.iter().copied().partition::<Vec<_>, _>(is_saved), &args.of_model) {
+        ((_, models), _) if models.is_empty() && args.approximate.is_asked() => {
+            bail!("--approximate draws a model, and saved G-buffers are drawn already")
+        }
         ((files, models), _) if models.is_empty() => saved::run(args, &files),
         ((files, models), None) if files.is_empty() && models.len() == 1 => {
             rendered::run(args, &ModelArgs { model: models[0].clone(), strict: args.strict })

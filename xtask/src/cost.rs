@@ -64,7 +64,7 @@ fn worked_s() -> Option<f64> {
 
 /// Frames of the CPU rasterizer, from its vertices to a G-buffer without curvature.
 pub fn on_cpu(stage: &Stage, patience: Patience) -> Cost {
-    let options = raster::Options { curvature: false, vertex_normals: false };
+    let options = raster::Options { curvature: false, vertex_normals: stage.plan.vertex_normals };
     let clock = Instant::now();
     let mut frames = 0;
     while frames < FEWEST_FRAMES || frames < patience.frames && clock.elapsed().as_secs_f64() < patience.seconds {
@@ -83,7 +83,9 @@ pub fn on_gpu(stage: &Stage, device: &gpu::Device, patience: Patience) -> Result
     let held = || device.wgpu.generate_allocator_report().map(|report| report.total_allocated_bytes);
     device.wait("measuring", None)?;
     let before = held();
-    let mut renderer = gpu::Renderer::new(device, &stage.scene, &*stage.prepared, gpu::RendererOptions::default())?;
+    let vertex_normals = stage.plan.vertex_normals;
+    let options = gpu::RendererOptions { vertex_normals, ..gpu::RendererOptions::default() };
+    let mut renderer = gpu::Renderer::new(device, &stage.scene, &*stage.prepared, options)?;
     let shading = Shading::new(ShadeKind::Isophotes).uniform(&stage.camera, stage.model.hull().diagonal());
     let mut draw = |frames: usize| -> Result<(gpu::Timing, Option<f64>)> {
         let start = worked_s();

@@ -4,6 +4,7 @@
 
 pub mod adapters;
 pub mod antialias;
+pub mod approximate;
 pub mod bench;
 pub mod bless;
 pub mod ci;
@@ -17,6 +18,7 @@ pub mod format;
 pub mod geiger;
 pub mod info;
 pub mod kanai;
+pub mod limits;
 pub mod listing;
 pub mod masks;
 pub mod mutants;

@@ -1,6 +1,7 @@
 //! `render`: one renderer, one picture or G-buffer.
 
 use crate::antialias::Antialias;
+use crate::approximate::ApproximateArgs;
 use crate::compare::{DrawingArgs, Shade};
 use crate::masks::MaskReport;
 use crate::overlay::Overlay;
@@ -27,6 +28,8 @@ pub struct RenderArgs {
     view: ViewArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
+    #[command(flatten)]
+    approximate: ApproximateArgs,
     /// Which renderer
     #[arg(long, value_enum, default_value = "raster")]
     with: With,
@@ -74,9 +77,14 @@ enum With {
 /// # Errors
 /// Where input is bad, there is no adapter, or a file cannot be written.
 pub fn run(args: &RenderArgs) -> Result<()> {
-    let Document { model, unit, .. } = args.model.document()?;
+    let Document { model: original, unit, .. } = args.model.document()?;
     let viewport = args.view.viewport()?;
-    let camera = args.view.camera(&model, viewport)?;
+    let camera = args.view.camera(&original, viewport)?;
+    let drawn = args.approximate.drawn(&original, &camera, viewport)?;
+    let model = drawn.as_ref().map_or(&original, |drawn| &drawn.model);
+    if let Some(drawn) = &drawn {
+        terminal::note(format_args!("{}", drawn.facts.line()));
+    }
     let count = args.antialias.pattern().positions().len();
     let mut paths = args.gbuffer.as_ref().map(|path| files(path, count).into_iter());
     let shading = args.shade.shading();
@@ -85,17 +93,17 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let overlay = args.overlay.filter(|_| shows).map(|OverlayKind::Continuity| {
         let millimetres = unit.as_ref().map_or(1.0, |unit| unit.millimetres);
         let limits = Class::A.limits().in_units_of(millimetres);
-        Overlay::of(&report(&model, Settings { millimetres, ..Settings::new(limits, &model) }))
+        Overlay::of(&report(&original, Settings { millimetres, ..Settings::new(limits, &original) }))
     });
     let (mut covered, mut open, mut pictures) = (0, 0, vec![]);
-    each_sample(args, &model, camera, viewport, |camera, buffer| {
+    each_sample(args, model, camera, viewport, |camera, buffer| {
         if let Some(path) = paths.as_mut().and_then(Iterator::next) {
             buffer.write_npz(path)?;
         }
         covered += buffer.covered();
         open += buffer.undecided();
         if shows {
-            let picture = buffer.shaded(&shading, &model, camera)?;
+            let picture = buffer.shaded(&shading, model, camera)?;
             let picture = if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture };
             pictures.push(match &overlay {
                 Some(overlay) => overlay.drawn(&picture, &buffer, camera)?,

@@ -9,6 +9,7 @@ mod row;
 mod table;
 mod worst;
 
+use crate::approximate::ApproximateArgs;
 use crate::compare::Shade;
 use crate::conform::pictures::data_uri;
 use crate::cost::Patience;
@@ -45,6 +46,8 @@ pub struct StudyArgs {
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+    #[command(flatten)]
+    approximate: ApproximateArgs,
     /// Budgets of triangles [default: 8, 32, 128 and 512 for each Bézier patch, two million at most]
     #[arg(long, value_delimiter = ',')]
     triangles: Vec<usize>,
@@ -82,9 +85,17 @@ pub fn run(args: &StudyArgs) -> Result<()> {
     let triangles = budgets.into_iter().map(Goal::Triangles);
     let goals: Vec<Goal> = triangles.chain(args.errors.iter().map(|&px| Goal::Error(px))).collect();
     // What follows prepares by each technique anew: this one only packs the model.
-    let stage = Stage::new(&model, camera, viewport, Plan { chord_px: number::MAX_ERROR_PX, ..Plan::default() })?;
+    let drawn = args.approximate.drawn(&model, &camera, viewport)?;
+    let plan = Plan { chord_px: number::MAX_ERROR_PX, ..Plan::default() };
+    let stage = match &drawn {
+        None => Stage::new(&model, camera, viewport, plan)?,
+        Some(drawn) => {
+            terminal::note(format_args!("{}", drawn.facts.line()));
+            Stage::new(&drawn.model, camera, viewport, plan)?.in_place_of(&model, &drawn.stand_in)?
+        }
+    };
     let adapter = device.as_ref().map(Adapter::of).map_err(Clone::clone);
-    let report = Report::new(&model, camera, viewport, adapter, patience);
+    let report = Report::new(stage.model, camera, viewport, adapter, patience);
     let stage = Stage { plan: Plan::default(), ..stage };
     let (report, worst) = study(&stage, techniques::ALL, &goals, device.as_ref().ok(), patience, report)?;
     if let Some(folder) = &args.out {
@@ -123,7 +134,7 @@ pub fn study(
     patience: Patience,
     mut report: Report,
 ) -> Result<(Report, Vec<Worst>)> {
-    let caster = Caster::new(stage.model);
+    let caster = Caster::new(stage.truth());
     let exact = stage.raycast(&caster);
     let scene = Scene { stage, caster: &caster, exact: &exact, device, patience };
     let shaded = |buffer: &GBuffer| buffer.shaded(&Shade::Isophotes.shading(), stage.model, &stage.camera);

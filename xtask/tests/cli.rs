@@ -358,6 +358,23 @@ fn masks_are_reported_and_too_little_memory_makes_them_coarser_or_is_refused() {
     refused(&texture(&["--mask-px", "-1"]), &["--mask-px", "-1", "positive"]);
 }
 
+#[test]
+fn grids_keep_to_their_limits_and_what_does_not_fit_is_named() {
+    let grids = |more: &[&'static str]| {
+        [&["compare", "teapot", "--technique", "zones", "--size", "48x36", "--error", "0.5", "--format", "json"], more]
+            .concat()
+    };
+    let output = xtask(&grids(&["--batch", "3", "--emit", "1024"]));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    refused(&grids(&["--batch", "3", "--emit", "4"]), &["patch (0, 0) of face", "zones", "may emit 1"]);
+    // Two cells a side are far off, and said to be: pixels have no verdict, and none differs.
+    let coarse = xtask(&grids(&["--level", "1"]));
+    assert_eq!(coarse.status.code(), Some(1), "{}", text(&coarse.stderr));
+    assert!(text(&coarse.stderr).contains("triangles keep to"), "{}", text(&coarse.stderr));
+    let report: Value = serde_json::from_slice(&coarse.stdout).expect("JSON");
+    assert_eq!(report["pairs"][0]["verdict"], "no_verdict", "{report}");
+}
+
 /// Geiger's Figs. 17, 32 and 33.
 #[test]
 fn geiger_s_figures_are_drawn_and_timed() {

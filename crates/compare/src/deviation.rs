@@ -61,7 +61,8 @@ impl Interpolation {
         Self { per_surface, surfaces: model.faces().iter().map(|face| face.surface).collect() }
     }
 
-    fn at(&self, face: usize, piece: usize) -> f64 {
+    /// On a piece of a face.
+    pub(crate) fn at(&self, face: usize, piece: usize) -> f64 {
         self.per_surface[self.surfaces[face]][piece]
     }
 }
@@ -112,6 +113,9 @@ pub struct Deviation {
     pub is_searched: bool,
     /// The share of covered pixels in which the candidate may say that it found no answer.
     pub unanswered_share: f64,
+    /// Per face and piece, as [`Self::chord`]: the distance of what is drawn from the model that it stands for, model units; it
+    /// is a part of both chords. Empty where the model itself is drawn.
+    pub stand_in: Vec<Vec<f64>>,
     /// All of it in words.
     pub text: String,
 }
@@ -132,6 +136,7 @@ impl Deviation {
             vertex_normals: None,
             is_searched: false,
             unanswered_share: 0.0,
+            stand_in: vec![],
             text: format!(
                 "chord bound of the tessellation (Filip, Magedson & Markot 1986) + {SNAP_PX} px of vertex snapping + \
                  {ATTRIBUTE_ULPS} ulp of interpolated parameters; rounding of S: its proven interval"
@@ -186,6 +191,7 @@ impl Deviation {
             vertex_normals: None,
             is_searched: false,
             unanswered_share: 0.0,
+            stand_in: vec![],
             text: format!("{EXACT_PX} px from the pixel's ray"),
         }
     }
@@ -232,6 +238,7 @@ impl Deviation {
             vertex_normals: other.vertex_normals.clone(),
             is_searched: other.is_searched,
             unanswered_share: self.unanswered_share.max(other.unanswered_share),
+            stand_in: sums(&self.stand_in, &other.stand_in),
             text: if self.text == other.text {
                 format!("on either side {}", self.text)
             } else {
@@ -245,7 +252,12 @@ impl Deviation {
         of_piece(&self.chord, face, piece)
     }
 
-    /// The same at the edges of the triangles.
+    /// How far what is drawn is from the model on a piece of a face, model units.
+    pub(crate) fn stand_in_at(&self, face: usize, piece: usize) -> f64 {
+        of_piece(&self.stand_in, face, piece)
+    }
+
+    /// The chord at the edges of the triangles.
     pub(crate) fn edge_chord_at(&self, face: usize, piece: usize) -> f64 {
         of_piece(&self.edge_chord, face, piece)
     }
@@ -262,7 +274,8 @@ fn of_piece(faces: &[Vec<f64>], face: usize, piece: usize) -> f64 {
     if let [all] = pieces[..] { all } else { pieces[piece] }
 }
 
-fn sums(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
+/// Numbers of pieces, added up.
+pub(crate) fn sums(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let faces = a.len().max(b.len());
     let pieces = |face: usize| {
         let count = [a, b].iter().filter_map(|of| of.get(face)).map(Vec::len).max().unwrap_or(0);

@@ -13,13 +13,23 @@ use scene::{Camera, Model, Viewport};
 /// Judges renderings of one model by one camera.
 pub struct Judge<'m> {
     setting: Setting<'m>,
+    /// Of the model that candidates draw in place of it.
+    drawn: Option<Setting<'m>>,
     unbounded_share: f64,
 }
 
 impl<'m> Judge<'m> {
     /// A judge of `model` as `camera` sees it; `scene` is the model as the candidates' programs read it.
     pub fn new(model: &'m Model, camera: &'m Camera, viewport: Viewport, scene: &'m PackedScene) -> Self {
-        Self { setting: Setting::new(model, camera, viewport, scene), unbounded_share: UNBOUNDED_SHARE }
+        let setting = Setting::new(model, camera, viewport, scene);
+        Self { setting, drawn: None, unbounded_share: UNBOUNDED_SHARE }
+    }
+
+    /// The same judge of candidates that draw `model` in the place of its own, as `scene` has it. [`Deviation::of_stand_in`] says
+    /// how far it is from that.
+    pub fn of_drawn(self, model: &'m Model, scene: &'m PackedScene) -> Self {
+        let drawn = Some(Setting::new(model, self.setting.camera, self.setting.viewport, scene));
+        Self { drawn, ..self }
     }
 
     /// The same judge for a scene in which another share of the covered pixels may have no verdict for want of a bound.
@@ -34,7 +44,8 @@ impl<'m> Judge<'m> {
     ///    the candidate's own (u, v), where f32 leaves the span or the status of the normal open in one of them; and
     ///    the packed face that it encloses is, up to narrowing, the model's;
     ///    of a candidate that shows what its triangles carry ([`Deviation::vertex_normals`]), the position is within the chord of
-    ///    S, and the normal in a cone that holds all normals of the cell;
+    ///    S, and the normal in a cone that holds all normals of the cell; where another model was drawn in place of this one
+    ///    ([`Self::of_drawn`]), all that is asked of that one, and of this one that the position is as near as it says;
     /// 2. *trim*: where the pixel's ray meets a face that loops bound, close to the candidate's (u, v), it is material, in
     ///    f64, or an edge passes within the band of f32's own classification
     ///    ([`PackedFrame::edge_band`](pipeline::PackedFrame::edge_band)) or [`Deviation::edge_px`] of the pixel's centre,
@@ -77,7 +88,8 @@ impl<'m> Judge<'m> {
     ) -> Result<PairReport, CompareError> {
         self.check(reference, candidate)?;
         let setting = &self.setting;
-        let pair = Pair { setting, reference, candidate, sampler, deviation, exact };
+        let drawn = self.drawn.as_ref();
+        let pair = Pair { setting, drawn, reference, candidate, sampler, deviation, exact };
         let rows: Vec<Tally> = (0..setting.viewport.height())
             .into_par_iter()
             .map(|y| {
@@ -109,7 +121,8 @@ impl<'m> Judge<'m> {
     ) -> Result<PixelVerdict, CompareError> {
         self.check(reference, candidate)?;
         let setting = &self.setting;
-        let pair = Pair { setting, reference, candidate, sampler, deviation, exact };
+        let drawn = self.drawn.as_ref();
+        let pair = Pair { setting, drawn, reference, candidate, sampler, deviation, exact };
         let evaluated = || candidate.get(at[0], at[1]).and_then(|hit| pair.evaluated(hit).ok());
         let shares = || evaluated().map_or(Shares::default(), |evaluated| evaluated.shares);
         let verdict = |cause, unbounded, detail, shares| PixelVerdict { cause, detail, unbounded, shares };
@@ -141,7 +154,8 @@ impl<'m> Judge<'m> {
         for buffer in [reference, candidate] {
             let meta = buffer.meta();
             let other = |what| Err(CompareError::OtherScene { what, renderer: meta.renderer.clone() });
-            if meta.model_hash != expected.model_hash {
+            let is_drawn = |drawn: &Setting| std::ptr::eq(buffer, candidate) && meta.model_hash == drawn.model.hash();
+            if meta.model_hash != expected.model_hash && !self.drawn.as_ref().is_some_and(is_drawn) {
                 return other("model");
             }
             if meta.camera != expected.camera {

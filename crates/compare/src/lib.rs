@@ -18,6 +18,7 @@ mod report;
 mod sampler;
 mod setting;
 mod shares;
+mod stand_in;
 mod tally;
 mod trim;
 mod trimming;
@@ -36,5 +37,6 @@ pub use report::{Counts, Coverage, Edges, Identical, PairReport, PixelReport, Pi
 pub use report::{UNBOUNDED_SHARE, UNDECIDED_SHARE};
 pub use sampler::Sampler;
 pub use shares::{BINS, Histogram, Histograms, Shares};
+pub use stand_in::StandIn;
 pub use unbounded::Unbounded;
 pub use vertex_normals::{Cell, VertexNormals};

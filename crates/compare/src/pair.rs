@@ -55,6 +55,8 @@ struct Bound {
     attribute: f64,
     snap: f64,
     rounding: f64,
+    /// A part of the chord.
+    stand_in: f64,
     /// What counts across the ray: all of it but the rounding, by which the values are judged.
     across: f64,
     /// All of it.
@@ -78,6 +80,8 @@ pub(crate) struct Agreement {
 /// The view of one pair of buffers.
 pub(crate) struct Pair<'a, 'm> {
     pub setting: &'a Setting<'m>,
+    /// What the candidate draws in the model's place.
+    pub drawn: Option<&'a Setting<'m>>,
     pub reference: &'a GBuffer,
     pub candidate: &'a GBuffer,
     pub sampler: &'a dyn Sampler,
@@ -132,24 +136,54 @@ impl Pair<'_, '_> {
 
     /// A hit's values at its own (u, v): those of the surface, or what triangles carry.
     pub fn evaluated(&self, candidate: &Hit) -> Result<Evaluated, Difference> {
+        let Some(drawn) = self.drawn else { return self.evaluated_on(self.setting, candidate) };
+        let found = self.evaluated_on(drawn, candidate)?;
+        let own = without_local(candidate);
+        let carried = if self.deviation.vertex_normals.is_some() { self.edge_chord(&own) } else { 0.0 };
+        match self.stand_in(&own) {
+            0.0 => Ok(found),
+            error => self.setting.stood_for(&own, found, error + carried),
+        }
+    }
+
+    fn evaluated_on(&self, setting: &Setting, candidate: &Hit) -> Result<Evaluated, Difference> {
         match &self.deviation.vertex_normals {
-            None => self.setting.evaluation(candidate),
+            None => setting.evaluation(candidate),
             Some(normals) => {
                 let face = candidate.face.0 as usize;
+                let own = if self.drawn.is_some() { without_local(candidate) } else { *candidate };
                 let of = |piece| self.deviation.attribute_at(face, piece);
-                let interpolated = self.setting.pieces(candidate).map(of).fold(0.0, f64::max);
-                let chord = self.edge_chord(candidate) + interpolated;
-                self.setting.carried(candidate, normals, chord, self.deviation.snap_px)
+                let interpolated = self.setting.pieces(&own).map(of).fold(0.0, f64::max);
+                let chord = self.edge_chord(&own) + interpolated;
+                setting.carried(candidate, normals, chord, self.deviation.snap_px)
             }
         }
+    }
+
+    /// How far what is drawn is from the model at a hit, model units.
+    fn stand_in(&self, hit: &Hit) -> f64 {
+        let face = hit.face.0 as usize;
+        self.setting.pieces(hit).map(|piece| self.deviation.stand_in_at(face, piece)).fold(0.0, f64::max)
+    }
+
+    /// [`Deviation::edge_px`], and what edges move in the picture where another model is drawn.
+    fn edge_px(&self, hit: &Hit) -> f64 {
+        let s = self.setting.surface_point(hit);
+        self.deviation.edge_px + self.setting.camera.pixels_within(self.setting.viewport, s, self.stand_in(hit))
     }
 
     /// A pixel that the candidate covers.
     ///
     /// How far away it is follows from its own (u, v), whatever distance it states: that is judged last.
     fn shown(&self, center: DVec2, reference: Option<&Hit>, candidate: &Hit) -> Result<Agreement, Failed> {
-        self.setting.holds_parameters(candidate).map_err(|(reason, detail)| Failed::Unbounded(reason, detail))?;
+        let holds = |setting: &Setting, hit: &Hit| {
+            setting.holds_parameters(hit).map_err(|(reason, detail)| Failed::Unbounded(reason, detail))
+        };
+        holds(self.drawn.unwrap_or(self.setting), candidate)?;
         let Evaluated { shares, radius } = self.evaluated(candidate)?;
+        // Its spans are those of what it draws.
+        let candidate = &if self.drawn.is_some() { without_local(candidate) } else { *candidate };
+        holds(self.setting, candidate)?;
         let s = self.setting.surface_point(candidate);
         let ray = self.setting.camera.ray(self.setting.viewport, center.x, center.y);
         let along_ray = |s: DVec3| (s - ray.origin).dot(ray.direction);
@@ -162,7 +196,7 @@ impl Pair<'_, '_> {
         let bound = self.bound_of_shown(candidate, s, radius);
         self.check_bound(&bound)?;
         let bound_px = bound.across;
-        let at_edge = self.setting.trimming(candidate, center, self.deviation.edge_px)?;
+        let at_edge = self.setting.trimming(candidate, center, self.edge_px(candidate))?;
         let shares = Shares { ambiguous: at_edge || shares.ambiguous, ..shares };
         // Along the ray: the chord on either side, what rounding of S itself was, and that of the depths compared.
         let depth = DEPTH_ULPS / (1u64 << 24) as f64 * (candidate.t.abs() + self.setting.size);
@@ -252,7 +286,8 @@ impl Pair<'_, '_> {
 
     /// No verdict where a pixel is allowed too much, by what most of it comes of.
     fn check_bound(&self, bound: &Bound) -> Result<(), Failed> {
-        let (whole, limit) = (bound.whole, self.deviation.limit_px);
+        // The distance of a model in place of another is given, and no reason not to judge.
+        let (whole, limit) = (bound.whole, self.deviation.limit_px + bound.stand_in);
         if whole < limit {
             return Ok(());
         }
@@ -324,6 +359,7 @@ impl Pair<'_, '_> {
             attribute: seen(greatest(&|piece| self.deviation.attribute_at(face, piece))),
             snap,
             rounding: seen(radius),
+            stand_in: seen(self.stand_in(hit)),
             across,
             whole: across + seen(radius),
         }
@@ -385,7 +421,7 @@ impl Pair<'_, '_> {
             (q, r) => q.is_some() != r.is_some(),
         };
         self.setting.picture(s).is_some_and(|p| p.distance(center) <= chord_px)
-            && (self.setting.is_at_edge(candidate, center, self.deviation.edge_px, bound_px)
+            && (self.setting.is_at_edge(candidate, center, self.edge_px(candidate), bound_px)
                 || self.around(center, bound_px, reference.or(Some(candidate))).any(is_other))
     }
 
@@ -459,7 +495,7 @@ impl Pair<'_, '_> {
             return true;
         }
         if self.setting.model.region(hit.face).is_some() {
-            return self.setting.is_at_edge(hit, center, self.deviation.edge_px, radius);
+            return self.setting.is_at_edge(hit, center, self.edge_px(hit), radius);
         }
         let surface = self.setting.model.surface(hit.face);
         let [[u0, u1], [v0, v1]] = surface.domain();
@@ -489,4 +525,9 @@ impl Pair<'_, '_> {
             false
         })
     }
+}
+
+/// A hit whose local parameters are those of another model's spans.
+fn without_local(hit: &Hit) -> Hit {
+    Hit { local: None, ..*hit }
 }

@@ -109,11 +109,9 @@ impl Setting<'_> {
         };
         // Snapping may leave the pixel's centre outside its triangle, whose plane is then followed so far.
         let beside = |piece: usize| self.beside(hit, s, snap_px, &normals.pieces[normals.surfaces[face]][piece].domain);
-        let followed = |piece: &usize| {
-            let (Some(cell), beside) = (normals.cells.get(face).and_then(|cells| cells.get(*piece)), beside(*piece))
-            else {
-                return f64::INFINITY;
-            };
+        let pieces: Vec<(usize, [f64; 2])> = pieces.into_iter().map(|piece| (piece, beside(piece))).collect();
+        let followed = |(piece, beside): &(usize, [f64; 2])| {
+            let Some(cell) = normals.cells.get(face).and_then(|cells| cells.get(*piece)) else { return f64::INFINITY };
             (0..2).map(|k| beside[k] / cell.size[k]).fold(0.0, f64::max)
         };
         let followed = 1.0 + 2.0 * pieces.iter().map(followed).fold(0.0, f64::max);
@@ -130,7 +128,7 @@ impl Setting<'_> {
             return Err(Difference::new(self.attribution.of_position(hit, off / allowed), off / allowed, detail));
         }
         let mut shares = Shares { position: Some(off / allowed), ..Shares::default() };
-        let cone = |piece: &usize| normals.cone(face, *piece, at(*piece), beside(*piece));
+        let cone = |(piece, beside): &(usize, [f64; 2])| normals.cone(face, *piece, at(*piece), *beside);
         let cones: Vec<Option<Cone>> = pieces.iter().map(cone).collect();
         let is_useful = |cone: &Option<Cone>| cone.is_some_and(|cone| cone.sine * followed < WIDEST);
         let Some(normal) = hit.normal.unit().filter(|_| cones.iter().all(is_useful)) else {

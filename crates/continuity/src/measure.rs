@@ -49,7 +49,7 @@ pub fn measured(tube: &Tube, is_opposite: bool, flat: f64) -> Measured {
     let [a, b] = [0, 1].map(|k| &tube.sides[k]);
     let (Some(normal_a), Some(normal_b)) = (a.surface.normal(), b.surface.normal()) else { return found };
     let apart = difference(&normal_a.0, &normal_b.0.map(|x| x.scaled(sign)));
-    let angle = |squared: f64| 2.0 * (0.5 * squared.sqrt()).min(1.0).asin();
+    let angle = |squared: f64| 2.0 * libm::asin((0.5 * squared.sqrt()).min(1.0));
     found[Criterion::Angle as usize] = through(dot(&apart, &apart).peak(), angle);
     let curvature = |side: &Along, normal| side.surface.curvature_across(side.direction, normal);
     let (Some(a), Some(b)) = (curvature(a, &normal_a), curvature(b, &normal_b)) else { return found };

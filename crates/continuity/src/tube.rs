@@ -187,7 +187,7 @@ impl Pair<'_, '_> {
         let nodes: [f64; ORDER + 1] = std::array::from_fn(|i| match i {
             0 => -1.0,
             ORDER => 1.0,
-            _ => -(std::f64::consts::PI * i as f64 / ORDER as f64).cos(),
+            _ => -libm::cos(std::f64::consts::PI * i as f64 / ORDER as f64),
         });
         // Newton's divided differences.
         let mut table: [f64; ORDER + 1] = [0.0; ORDER + 1];

@@ -5,6 +5,9 @@
 mod distance;
 mod fit;
 mod line;
+mod whole;
+
+pub use whole::BicubicSurface;
 
 use crate::surface::usable;
 use crate::{BezierPatch, Direction, MAX_DEGREE, NurbsError};

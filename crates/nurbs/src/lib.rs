@@ -26,7 +26,7 @@ mod space_curve;
 mod surface;
 mod weights;
 
-pub use approximation::Bicubic;
+pub use approximation::{Bicubic, BicubicSurface};
 pub use basis::basis_derivatives;
 pub use bezier::BezierPatch;
 pub use bezier_curve::{BezierCurve, Rectangle};

@@ -571,3 +571,57 @@ fn an_oracle_with_forty_digits_finds_the_same_patches_and_distances() {
         assert!(near <= distance * (1.0 + 1e-12) && 0.99 * distance <= near, "{degree:?}: {near} and {distance}");
     }
 }
+
+/// A surface of degrees 5 and 4 over three spans by two, rational, whose points come from a fixed recurrence.
+fn wavy() -> Surface {
+    let knots = |degree: usize, inner: &[f64]| {
+        KnotVector::new(degree, [vec![0.0; degree + 1], inner.to_vec(), vec![2.0; degree + 1]].concat()).expect("legal")
+    };
+    let (ku, kv) = (knots(5, &[0.3, 0.3, 1.1]), knots(4, &[0.9]));
+    let [rows, columns] = [ku.control_count(), kv.control_count()];
+    let wave = |i: usize, j: usize| ((i * 7 + j * 13) % 11) as f64 / 11.0;
+    let points = (0..rows).flat_map(|i| (0..columns).map(move |j| DVec3::new(i as f64, j as f64, wave(i, j))));
+    let weights = (0..rows * columns).map(|k| 1.0 + (k % 5) as f64 / 4.0).collect();
+    Surface::new(ku, kv, points.collect(), Some(weights)).expect("legal")
+}
+
+#[test]
+fn a_whole_surface_is_as_near_as_it_says_everywhere_and_has_no_tear() {
+    let original = wavy();
+    for tolerance in [0.1, 1e-3] {
+        let found = original.bicubic(tolerance).expect("it can be met");
+        assert!(found.error <= tolerance * (1.0 + 1e-9) && found.error > 0.0);
+        assert_eq!(found.surface.domain(), original.domain());
+        let mut most: f64 = 0.0;
+        for (i, j) in (0..=60).flat_map(|i| (0..=60).map(move |j| (i, j))) {
+            let [u, v] = [i, j].map(|k| 2.0 * f64::from(k) / 60.0);
+            most = most.max(found.surface.point(u, v).distance(original.point(u, v)));
+        }
+        assert!(most <= found.error && found.error < 10.0 * most, "{most} measured, {} said", found.error);
+        for (direction, spans) in [Direction::U, Direction::V].into_iter().zip(&found.spans) {
+            let knots = found.surface.knots(direction);
+            assert_eq!(knots.spans().count(), spans.len());
+            for (span, on) in knots.spans().zip(spans) {
+                let own = original.knots(direction).spans().nth(*on).expect("a span");
+                let ends = |knots: &KnotVector, span: usize| [knots.knots()[span], knots.knots()[span + 1]];
+                let ([start, end], [from, to]) = (ends(knots, span), ends(original.knots(direction), own));
+                assert!(from <= start && end <= to, "{start} … {end} is not on {from} … {to}");
+            }
+            // Three knots and not four: all patches meet there.
+            let (start, end) = knots.domain();
+            let inner = knots.knots().iter().filter(|t| start < **t && **t < end);
+            assert!(inner.clone().all(|t| knots.multiplicity(*t) == 3), "{:?}", knots.knots());
+        }
+    }
+}
+
+#[test]
+fn a_bicubic_surface_stands_for_itself_and_what_cannot_be_met_is_an_error() {
+    let original = wavy();
+    let once = original.bicubic(1e-2).expect("it can be met").surface;
+    let twice = once.bicubic(1e-2).expect("as it is");
+    assert_eq!((twice.error, &twice.surface), (0.0, &once));
+    for tolerance in [0.0, -1.0, f64::NAN] {
+        assert!(matches!(original.bicubic(tolerance), Err(NurbsError::BicubicTolerance { .. })), "{tolerance}");
+    }
+}

@@ -103,9 +103,21 @@ impl Model {
     /// # Panics
     /// Where there is no such surface, or the domain is another one.
     pub fn with_surface(&self, index: usize, surface: Surface) -> Self {
-        assert_eq!(self.surfaces[index].domain(), surface.domain(), "a region is a part of its surface's domain");
-        let mut model = self.clone();
-        model.surfaces[index] = surface;
+        let mut surfaces = self.surfaces.clone();
+        surfaces[index] = surface;
+        self.with_surfaces(surfaces)
+    }
+
+    /// The same model with other surfaces in place of all, each on the same domain.
+    ///
+    /// # Panics
+    /// Where there are more or fewer surfaces, or one has another domain.
+    pub fn with_surfaces(&self, surfaces: Vec<Surface>) -> Self {
+        assert_eq!(self.surfaces.len(), surfaces.len(), "a surface for each");
+        for (own, other) in self.surfaces.iter().zip(&surfaces) {
+            assert_eq!(own.domain(), other.domain(), "a region is a part of its surface's domain");
+        }
+        let mut model = Self { surfaces, ..self.clone() };
         model.hull = model.extent().hull();
         model
     }

@@ -18,6 +18,20 @@ pub enum PrepareError {
         /// How many there are.
         count: usize,
     },
+    /// A patch has more zones than a step may emit, and steps are of whole patches.
+    #[error(
+        "patch ({}, {}) of face {face} has {zones} zones; a step of whole patches may emit {most}", span[0], span[1]
+    )]
+    TooManyZones {
+        /// The face.
+        face: u32,
+        /// The patch, by its spans in u and in v.
+        span: [u32; 2],
+        /// Its zones.
+        zones: u32,
+        /// Zones of a step at most.
+        most: u32,
+    },
     /// The chord bound is not a positive number.
     #[error("a chord error of {chord_px} pixels: it must be positive")]
     Chord {

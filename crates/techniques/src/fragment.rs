@@ -43,7 +43,7 @@ impl Technique for Fragment {
     }
 
     fn prepare(&self, setting: &Setting) -> Result<Arc<dyn Prepared>, PrepareError> {
-        let Setting { model, scene, camera, viewport, chord_px } = *setting;
+        let Setting { model, scene, camera, viewport, chord_px, .. } = *setting;
         Ok(Arc::new(Tessellation::new(model, scene, camera, viewport, chord_px)?))
     }
 

@@ -16,6 +16,7 @@ mod tiles;
 
 pub(crate) use gpu::CORNER;
 pub use grids::{Grids, Picture};
+pub use record::GridRecord;
 
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
@@ -50,8 +51,7 @@ impl Technique for Grid {
     }
 
     fn prepare(&self, setting: &Setting) -> Result<Arc<dyn Prepared>, PrepareError> {
-        let Setting { model, scene, camera, viewport, chord_px } = *setting;
-        Ok(Arc::new(Grids::new(model, scene, camera, viewport, chord_px)?))
+        Ok(Arc::new(Grids::new(setting)?))
     }
 }
 

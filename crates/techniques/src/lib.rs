@@ -7,11 +7,13 @@ mod error;
 pub mod exact;
 pub mod fragment;
 pub mod grid;
+mod limits;
 mod technique;
 mod triangles;
 pub mod zones;
 
 pub use error::PrepareError;
+pub use limits::{DEFAULT_ZONES, GREATEST_LEVEL, Limits, PAPER_ZONES, ZONE_WORDS};
 pub use technique::{Prepared, Setting, Technique};
 
 /// All of them; the first is the default.

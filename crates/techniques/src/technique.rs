@@ -1,6 +1,7 @@
 //! What a technique is to all others.
 
 use crate::error::PrepareError;
+use crate::limits::Limits;
 use compare::{Cell, Claims};
 use gpu::Drawable;
 use pipeline::PackedScene;
@@ -24,6 +25,8 @@ pub struct Setting<'a> {
     pub viewport: Viewport,
     /// Chord error that flat triangles may have, pixels.
     pub chord_px: f64,
+    /// What grids may come to beside.
+    pub limits: Limits,
 }
 
 /// A technique: where the surface is evaluated, and what carries (u, v, face) to a pixel.
@@ -92,7 +95,8 @@ pub trait Prepared: Drawable {
         &[]
     }
 
-    /// Chord error in pixels to which it was built, where it has one: more than was asked for where that takes too much.
+    /// Chord error in pixels to which it was built, where it has one: more than was asked for where that takes too much, or more
+    /// cells than [`Limits::level`] has.
     fn built_px(&self) -> Option<f64> {
         None
     }

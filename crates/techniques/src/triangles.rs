@@ -1,17 +1,14 @@
-//! What techniques by flat triangles share: bounds of derivatives, what is in the picture, who is seen on the CPU, and the pass
+//! What techniques by flat triangles share: bounds of derivatives, how coarse triangles have to be, what is in the picture, who is seen on the CPU, and the pass
 //! that draws on a GPU.
 
 pub mod bounds;
+pub mod coarsened;
 pub mod cpu;
 mod cut;
 pub mod frustum;
 pub mod gpu;
 mod outline;
 pub mod patches;
-
-/// Triangles up to which the chord error asked for decides; a camera on a face would ask for any number, and gets a coarser
-/// tessellation beyond.
-pub const REFINED_TRIANGLES: usize = 1 << 22;
 
 /// How much wider than the chord error the skirt of a bounded face is, pixels: what snapping moves its corners by, and what
 /// a pixel may be beyond the border and still be covered.

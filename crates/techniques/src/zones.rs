@@ -7,7 +7,7 @@
 mod gpu;
 mod plan;
 
-pub use plan::{PAPER_ZONES, Zones};
+pub use plan::Zones;
 
 use crate::error::PrepareError;
 use crate::grid::Grids;
@@ -43,8 +43,7 @@ impl Technique for ByZones {
     }
 
     fn prepare(&self, setting: &Setting) -> Result<Arc<dyn Prepared>, PrepareError> {
-        let Setting { model, scene, camera, viewport, chord_px } = *setting;
-        Ok(Arc::new(Zones::new(Grids::new(model, scene, camera, viewport, chord_px)?, scene)))
+        Ok(Arc::new(Zones::new(Grids::new(setting)?, setting.scene, &setting.limits)?))
     }
 }
 

@@ -8,13 +8,23 @@ use raster::Drawing;
 use scene::{Camera, FaceId, Model, Projection, Viewport};
 use std::collections::BTreeSet;
 use techniques::grid::{Grid, Grids};
-use techniques::{Prepared, Setting, Technique};
+use techniques::{Limits, Prepared, Setting, Technique};
+
+fn setting<'a>(
+    model: &'a Model,
+    scene: &'a PackedScene,
+    camera: &'a Camera,
+    viewport: Viewport,
+    chord_px: f64,
+) -> Setting<'a> {
+    Setting { model, scene, camera, viewport, chord_px, limits: Limits::default() }
+}
 
 fn grids(model: &Model, error_px: f64) -> (PackedScene, Grids) {
     let viewport = Viewport::new(256, 256).expect("a legal size");
     let camera = Camera::framing(model, viewport);
     let scene = PackedScene::new(model, Scheme::Specialised).expect("it packs");
-    let grids = Grids::new(model, &scene, &camera, viewport, error_px).expect("few triangles");
+    let grids = Grids::new(&setting(model, &scene, &camera, viewport, error_px)).expect("few triangles");
     (scene, grids)
 }
 
@@ -132,9 +142,7 @@ fn odd_positions(model: &Model, technique: &dyn Technique, views: usize, levels:
         let projection = Projection::Perspective { fov_deg: 40.0 };
         let Ok(camera) = Camera::look_at(eye, target, random.direction(), projection) else { continue };
         let chord_px = 40.0f64.powf(random.unit()) * 0.05;
-        let prepared = technique
-            .prepare(&Setting { model, scene: &scene, camera: &camera, viewport, chord_px })
-            .expect("prepared");
+        let prepared = technique.prepare(&setting(model, &scene, &camera, viewport, chord_px)).expect("prepared");
         if let Ok(grids) = (&*prepared as &dyn Drawable).of::<Grids>("grid") {
             levels.extend(grids.picture.records.iter().map(|record| record.level));
         }
@@ -179,7 +187,8 @@ fn no_pixel_of_the_device_shows_what_lies_behind_a_closed_surface() {
         };
         let (mut levels, mut covered) = (BTreeSet::new(), 0);
         for error_px in [0.1, 1.0, 6.0] {
-            let grids = Grids::new(&model, &scene, &looks(&mut random), viewport, error_px).expect("few triangles");
+            let camera = looks(&mut random);
+            let grids = Grids::new(&setting(&model, &scene, &camera, viewport, error_px)).expect("few triangles");
             let mut renderer = Renderer::new(&device, &scene, &grids, RendererOptions::default()).expect("it fits");
             for _ in 0..34 {
                 let camera = looks(&mut random);
@@ -259,7 +268,7 @@ fn an_edit_shows_on_the_device_what_the_edited_model_shows() {
         let camera = Camera::framing(&model_after, viewport);
         let made = |model: &Model| {
             let scene = PackedScene::new(model, Scheme::Specialised).expect("it packs");
-            let grids = Grids::new(model, &scene, &camera, viewport, 2.0).expect("few triangles");
+            let grids = Grids::new(&setting(model, &scene, &camera, viewport, 2.0)).expect("few triangles");
             let views = scene.views(model, &camera, viewport);
             (scene, grids, views)
         };

@@ -25,12 +25,15 @@ pub fn disagreement(model: &Model, device: Option<&gpu::Device>, plan: Plan) -> 
         pairs.push(stage.against_raster(&raster, &on_gpu.gbuffer)?);
     }
     Ok(pairs.iter().find(|pair| pair.verdict != Verdict::Agree).map(|pair| {
+        let how = match pair.verdict {
+            Verdict::NoVerdict => "have too few pixels with a verdict".to_owned(),
+            _ => format!("differ in {} pixels", pair.differing()),
+        };
         format!(
-            "{} and {} disagree on {} in {} pixels; there is nothing to time (see `cargo xtask compare {} --technique {}`)",
+            "{} and {} disagree on {}: they {how}; there is nothing to time (see `cargo xtask compare {} --technique {}`)",
             pair.reference,
             pair.candidate,
             model.name(),
-            pair.differing(),
             model.name(),
             plan.technique.name()
         )

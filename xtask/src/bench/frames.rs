@@ -8,7 +8,7 @@ use scene::{Camera, Model, Viewport};
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
-use techniques::{DEFAULT_CHORD_PX, Prepared, Setting, Technique};
+use techniques::{DEFAULT_CHORD_PX, Limits, Prepared, Setting, Technique};
 
 /// Cameras around a model: the frames of a rotating object.
 pub fn turning(model: &Model, viewport: Viewport, frames: usize, start: f64) -> Vec<Camera> {
@@ -53,7 +53,15 @@ impl<'a> Frames<'a> {
         let prepared = match uniform {
             Some(uniform) => uniform,
             None => {
-                technique.prepare(&Setting { model, scene: &scene, camera, viewport, chord_px: DEFAULT_CHORD_PX })?
+                let limits = Limits::default();
+                technique.prepare(&Setting {
+                    model,
+                    scene: &scene,
+                    camera,
+                    viewport,
+                    chord_px: DEFAULT_CHORD_PX,
+                    limits,
+                })?
             }
         };
         let views = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();

@@ -1,7 +1,9 @@
 //! What is asked for: which pictures, and how they are drawn.
 
 use crate::antialias::Antialias;
+use crate::approximate::ApproximateArgs;
 use crate::format::Format;
+use crate::limits::LimitArgs;
 use crate::masks::TrimArgs;
 use crate::stage::Plan;
 use crate::view::ViewArgs;
@@ -42,6 +44,8 @@ pub struct CompareArgs {
     pub(super) view: ViewArgs,
     #[command(flatten)]
     pub(super) drawing: DrawingArgs,
+    #[command(flatten)]
+    pub(super) approximate: ApproximateArgs,
     /// What the pictures show
     #[arg(long, value_enum, default_value = "isophotes")]
     pub(super) shade: Shade,
@@ -73,6 +77,8 @@ pub struct DrawingArgs {
     /// Where normals are evaluated: at each pixel, or at the corners of triangles and interpolated
     #[arg(long, value_enum, default_value = "fragment")]
     normals: Normals,
+    #[command(flatten)]
+    limits: LimitArgs,
     /// The share of covered pixels that may have no verdict for want of a bound, as poles have none; from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE, value_parser = number::share, allow_hyphen_values = true)]
     unbounded: f64,
@@ -149,6 +155,7 @@ impl DrawingArgs {
             trim: self.trim.trimming(),
             edges: false,
             vertex_normals: self.normals == Normals::Vertex,
+            limits: self.limits.limits(),
             unbounded_share: self.unbounded,
         }
     }

@@ -10,7 +10,7 @@ use crate::masks::MaskReport;
 use crate::stage::{Plan, Rendered, ShadedReport, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use compare::{PairReport, Verdict};
 use formats::{Document, Note};
 use gbuffer::{GBuffer, Meta, Shading};
@@ -32,12 +32,13 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
     let Document { model, notes, .. } = model.document()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
-    let stage = Stage::new(
-        &model,
-        camera,
-        viewport,
-        Plan { edges: args.antialias == Antialias::Trims, ..args.drawing.plan() },
-    )?;
+    let plan = Plan { edges: args.antialias == Antialias::Trims, ..args.drawing.plan() };
+    let drawn = args.approximate.drawn(&model, &camera, viewport)?;
+    let stage = match &drawn {
+        None => Stage::new(&model, camera, viewport, plan)?,
+        Some(_) if plan.edges => bail!("--antialias trims records where trim edges pass, and --approximate moves them"),
+        Some(drawn) => Stage::new(&drawn.model, camera, viewport, plan)?.in_place_of(&model, &drawn.stand_in)?,
+    };
     let samples = SampleReport::of(args.antialias.pattern(), &camera, viewport);
     let mut found = judged(args, &stage)?;
     // A GPU that fails at one sample has not drawn the picture.
@@ -55,6 +56,7 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
         adapter: meta.and_then(|m| m.adapter.clone()),
         driver: meta.and_then(|m| m.driver.clone()),
         triangles: stage.prepared.triangles(),
+        approximation: drawn.as_ref().map(|drawn| drawn.facts),
         trim: stage.plan.trim.name(),
         masks: MaskReport::of(&stage),
         samples: &samples,
@@ -77,7 +79,7 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
 
 /// Renders and judges the samples, in the pattern's order; there is at least one. One renderer on the GPU draws all.
 fn judged(args: &CompareArgs, stage: &Stage) -> Result<Vec<Sample>> {
-    let caster = Caster::new(stage.model).with_edges(stage.plan.edges);
+    let caster = Caster::new(stage.truth()).with_edges(stage.plan.edges);
     let shading = args.shade.shading();
     let pattern = args.antialias.pattern();
     let device = gpu::Device::open(args.drawing.adapter.as_deref()).map_err(|error| error.to_string());

@@ -1,6 +1,7 @@
 //! What a comparison of three renderings found.
 
 use crate::antialias::SampleReport;
+use crate::approximate::Approximation;
 use crate::masks::MaskReport;
 use crate::stage::ShadedReport;
 use compare::PairReport;
@@ -17,6 +18,9 @@ pub(super) struct Report<'a> {
     pub adapter: Option<String>,
     pub driver: Option<String>,
     pub triangles: usize,
+    /// What is drawn in the model's place, where another one is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub approximation: Option<Approximation>,
     /// How the rasterizers trim faces.
     pub trim: &'static str,
     /// Where they do by masks.

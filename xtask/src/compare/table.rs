@@ -27,6 +27,9 @@ pub(super) fn print(report: &Report) -> Result<()> {
         report.size[1],
         report.triangles
     )?;
+    if let Some(approximation) = &report.approximation {
+        say!("{}", approximation.line())?;
+    }
     if let Some(masks) = &report.masks {
         say!("{}", masks.line())?;
     }

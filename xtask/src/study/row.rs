@@ -83,7 +83,8 @@ pub fn row(scene: &Scene, technique: &'static dyn Technique, goal: Goal) -> (Row
 fn measured(scene: &Scene, technique: &'static dyn Technique, goal: Goal) -> Result<(Measured, GBuffer)> {
     let Stage { model, camera, viewport, .. } = *scene.stage;
     let plan = scene.stage.plan;
-    let setting = Setting { model, scene: &scene.stage.scene, camera: &camera, viewport, chord_px: plan.chord_px };
+    let Plan { chord_px, limits, .. } = plan;
+    let setting = Setting { model, scene: &scene.stage.scene, camera: &camera, viewport, chord_px, limits };
     let (_, chord_px) = meet(technique, &setting, goal)?;
     let clock = Instant::now();
     let prepared = technique.prepare(&Setting { chord_px, ..setting })?;
@@ -95,6 +96,8 @@ fn measured(scene: &Scene, technique: &'static dyn Technique, goal: Goal) -> Res
         prepared,
         views: scene.stage.views.clone(),
         interpolation: scene.stage.interpolation.clone(),
+        vertex_normals: None,
+        original: scene.stage.original.clone(),
         ..*scene.stage
     };
     let picture = stage.raster();

@@ -20,6 +20,7 @@ pub(super) const NAME: &str = "exact";
 /// Kernels `bound_hulls`, `meet_small`, `meet_large`, `choose`, `resolve_gbuffer` and `resolve_shaded`, and the search.
 pub(super) const PARTS: &[Part] = &[
     Part { file: "exact/entry.wgsl", text: include_str!("../../../../shaders/exact/entry.wgsl") },
+    Part { file: "exact/resolve.wgsl", text: include_str!("../../../../shaders/exact/resolve.wgsl") },
     Part { file: "exact/newton.wgsl", text: include_str!("../../../../shaders/exact/newton.wgsl") },
     Part { file: "exact/fold.wgsl", text: include_str!("../../../../shaders/exact/fold.wgsl") },
     Part { file: "exact/place.wgsl", text: include_str!("../../../../shaders/exact/place.wgsl") },

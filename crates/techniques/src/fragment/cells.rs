@@ -1,7 +1,7 @@
 //! How many cells a face is cut into, and the chord error that they come to.
 
-use crate::triangles::REFINED_TRIANGLES;
 use crate::triangles::bounds::Bounds;
+use crate::triangles::coarsened::REFINED_TRIANGLES;
 use crate::triangles::patches::{patches_on, spans_of};
 use compare::Cell;
 use nurbs::{DerivativeBounds, Surface};

@@ -4,9 +4,10 @@ use super::cells::{Cells, GREATEST_CELLS, Wanted, chord_bounds, total};
 use super::grid::{Grid, Skirt, corner, grids_of_spans, mesh};
 use crate::error::PrepareError;
 use crate::triangles::bounds::Bounds;
+use crate::triangles::coarsened::coarsened;
 use crate::triangles::frustum::pixels;
 use crate::triangles::patches::spans_of;
-use crate::triangles::{REFINED_TRIANGLES, SKIRT_PX, cell};
+use crate::triangles::{SKIRT_PX, cell};
 use compare::Cell;
 use nurbs::Surface;
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Parameters, SEARCHED, Vertex, in_drawing_order};
@@ -50,9 +51,6 @@ impl Tessellation {
         viewport: Viewport,
         chord_px: f64,
     ) -> Result<Self, PrepareError> {
-        if chord_px <= 0.0 || !chord_px.is_finite() {
-            return Err(PrepareError::Chord { chord_px });
-        }
         let pixel = pixels(camera, viewport);
         let of_surface = |surface: &Surface| {
             let patches = surface.bezier_patches();
@@ -65,24 +63,18 @@ impl Tessellation {
             Wanted { bounds, pixels, spans }
         };
         let wanted: Vec<Wanted> = model.faces().iter().enumerate().map(of_face).collect();
-        let mut built_px = chord_px;
-        let cells: Vec<[Vec<Vec<usize>>; 2]> = loop {
-            let cells: Vec<_> = wanted.par_iter().map(|face| face.cells(built_px)).collect();
+        let parts =
+            |face: &Wanted| [0, 1].map(|k| total(&face.bounds.parts[k][face.spans[k].clone()])).iter().product::<f64>();
+        let least = 4.0 * wanted.iter().map(parts).sum::<f64>();
+        let (cells, built_px) = coarsened(chord_px, least, |px| {
+            let cells: Vec<[Vec<Vec<usize>>; 2]> = wanted.par_iter().map(|face| face.cells(px)).collect();
             let along = |spans: &[Vec<usize>]| spans.iter().map(|parts| total(parts)).sum::<f64>();
-            let triangles = wanted
-                .iter()
-                .zip(&cells)
-                .map(|(face, cells)| [0, 1].map(|k| along(&cells[k][face.spans[k].clone()])).iter().product::<f64>());
-            let triangles = 2.0 * triangles.sum::<f64>();
-            let least = wanted.iter().map(|face| {
-                [0, 1].map(|k| total(&face.bounds.parts[k][face.spans[k].clone()])).iter().product::<f64>()
-            });
-            let least = 2.0 * least.sum::<f64>();
-            if triangles <= (REFINED_TRIANGLES as f64).max(2.0 * least) {
-                break cells;
-            }
-            built_px *= 2.0;
-        };
+            let of_face = |(face, cells): (&Wanted, &[Vec<Vec<usize>>; 2])| {
+                [0, 1].map(|k| along(&cells[k][face.spans[k].clone()])).iter().product::<f64>()
+            };
+            let triangles = 2.0 * wanted.iter().zip(&cells).map(of_face).sum::<f64>();
+            (cells, triangles)
+        })?;
         let grids = cells
             .par_iter()
             .enumerate()

@@ -2,18 +2,21 @@
 
 use super::corner::corner;
 use super::joints::{FaceParts, Joints, Part};
-use super::levels::{Asked, Chosen, GREATEST_LEVEL, settled};
+use super::levels::{Asked, Chosen, settled};
 use super::record::{GridRecord, Measure};
 use super::tiles::{Run, Tile, in_drawing_order};
 use crate::error::PrepareError;
+use crate::limits::GREATEST_LEVEL;
+use crate::technique::Setting;
 use crate::triangles::bounds::{part_counts, parts_of};
+use crate::triangles::cell;
+use crate::triangles::coarsened::coarsened;
 use crate::triangles::patches::spans_of;
-use crate::triangles::{REFINED_TRIANGLES, cell};
 use compare::Cell;
 use nurbs::{BezierPatch, DerivativeBounds, Hull, Surface};
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Program, RATIONAL, Vertex, View};
 use rayon::prelude::*;
-use scene::{Camera, FaceId, Model, Viewport};
+use scene::{FaceId, Model};
 use std::ops::Range;
 
 /// Grids over all patches of a scene, as a picture has them; none by default.
@@ -27,7 +30,7 @@ pub struct Grids {
     pub programs: Vec<(Program, Range<usize>)>,
     /// What levels are asked for.
     pub asked: Asked,
-    /// Error in pixels to which it was built: more than was asked for where that would take too many triangles.
+    /// Error in pixels to which it was built: more than was asked for where that would take too many triangles or levels.
     pub built_px: f64,
     /// How the picture sees each face.
     views: Vec<View>,
@@ -146,7 +149,7 @@ impl SurfaceParts {
 }
 
 impl Grids {
-    /// Grids whose flat triangles stay within `error_px` pixels of the surface as `camera` sees it.
+    /// Grids whose flat triangles stay within the chord error of the surface as the camera sees it, as far as levels go.
     ///
     /// The bound on a cell is that of Filip, Magedson & Markot (1986; Geiger 2015, Eqs. 20–23), from second derivatives bounded over
     /// the patch, seen at the nearest depth of the patch's box. No cell at a border is longer than the patch beside it needs
@@ -154,16 +157,8 @@ impl Grids {
     ///
     /// # Errors
     /// [`PrepareError`].
-    pub fn new(
-        model: &Model,
-        scene: &PackedScene,
-        camera: &Camera,
-        viewport: Viewport,
-        error_px: f64,
-    ) -> Result<Self, PrepareError> {
-        if error_px <= 0.0 || !error_px.is_finite() {
-            return Err(PrepareError::Chord { chord_px: error_px });
-        }
+    pub fn new(setting: &Setting) -> Result<Self, PrepareError> {
+        let Setting { model, scene, camera, viewport, chord_px, limits } = *setting;
         let surfaces: Vec<SurfaceParts> = model.surfaces().par_iter().map(SurfaceParts::new).collect();
         let faces = faces(model, scene, &surfaces);
         let joints = Joints::new(
@@ -180,25 +175,23 @@ impl Grids {
         let records: Vec<GridRecord> = placed.iter().map(|placed| placed.record).collect();
         let measures = placed.iter().map(|placed| placed.measure).collect();
         let programs = programs(scene, &records);
-        let asked = Asked { error_px: error_px as f32, levels: [0, GREATEST_LEVEL] };
         let views = scene.views(model, camera, viewport);
-        let mut grids = Self { records, measures, programs, asked, built_px: error_px, views, ..Self::default() };
-        let least = 4 * grids.records.len();
+        let least = 4 * records.len();
         if least > GREATEST_TRIANGLES {
-            return Err(PrepareError::TooManyTriangles { chord_px: error_px });
+            return Err(PrepareError::TooManyTriangles { chord_px });
         }
-        let (records, chosen) = loop {
+        let mut grids = Self { records, measures, programs, views, ..Self::default() };
+        let ((records, chosen), kept_px) = coarsened(chord_px, least as f64, |px| {
+            grids.asked = Asked::new(px, limits.level.min(GREATEST_LEVEL));
             let (records, chosen) = grids.settled(&grids.views);
             let cells = records.iter().map(|record| record.cells().map(|n| n as usize).iter().product::<usize>());
-            if 2 * cells.sum::<usize>() <= REFINED_TRIANGLES.max(least) {
-                break (records, chosen);
-            }
-            grids.built_px *= 2.0;
-            grids.asked.error_px = grids.built_px as f32;
-        };
+            let triangles = 2 * cells.sum::<usize>();
+            ((records, chosen), triangles as f64)
+        })?;
+        let short = chosen.iter().filter(|chosen| chosen.is_seen).map(|chosen| chosen.short).fold(1.0, f32::max);
+        grids.built_px = kept_px * f64::from(short);
         grids.picture = Picture::new(scene, &grids.programs, records);
-        grids.chord = chords(scene, &placed, &chosen);
-        grids.cells = cells(scene, &placed, &chosen);
+        (grids.chord, grids.cells) = of_pieces(scene, &placed, &chosen);
         Ok(grids)
     }
 
@@ -338,26 +331,13 @@ fn programs(scene: &PackedScene, records: &[GridRecord]) -> Vec<(Program, Range<
     records.chunk_by(|a, b| program(a) == program(b)).map(of_run).collect()
 }
 
-/// The greatest cell of each Bézier piece of each face, by the levels that each patch asks for alone; none where a face does not
-/// come to.
-fn cells(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> Vec<Vec<Cell>> {
-    let none = Cell { size: [0.0; 2], is_aligned: true };
-    let mut cells: Vec<Vec<Cell>> = scene.frames().iter().map(|frame| vec![none; frame.pieces()]).collect();
-    for (Placed { record, measured, .. }, Chosen { level, .. }) in placed.iter().zip(chosen) {
-        let of_piece = &mut cells[record.face as usize][measured.patch].size;
-        for k in 0..2 {
-            of_piece[k] = of_piece[k].max(f64::from(record.size[k]) / f64::from(1u32 << level[k]));
-        }
-    }
-    cells
-}
-
-/// The chord of each Bézier piece of each face; 0 where the face does not come to.
+/// Of each Bézier piece of each face the chord and the greatest cell, by the levels that each patch asks for alone, seen or not:
+/// borders make cells shorter. Both are 0 where the face does not come to.
 ///
-/// It is that of the levels which each patch asks for alone, seen or not: borders make cells shorter. To the bound on cells it adds what f32 makes of corners: of the basis
-/// functions, which are sums of products of what is not negative, 10 roundings a degree; of the sums over control points, which
-/// are at most 1, one a term; and as much for the weights' sum. What lies on a shared border is evaluated in another face's units.
-fn chords(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> Vec<Vec<f64>> {
+/// To the bound on cells the chord adds what f32 makes of corners: of the basis functions, which are sums of products of what is
+/// not negative, 10 roundings a degree; of the sums over control points, which are at most 1, one a term; and as much for the
+/// weights' sum. What lies on a shared border is evaluated in another face's units.
+fn of_pieces(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> (Vec<Vec<f64>>, Vec<Vec<Cell>>) {
     const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
     let rounding = |face: u32| {
         let f = &scene.faces()[face as usize];
@@ -365,7 +345,9 @@ fn chords(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> Vec<Vec<
         let of_weights = if f.flags & RATIONAL != 0 { 2.0 } else { 1.0 };
         (11.0 * degrees + 8.0) * of_weights * UNIT * scene.frames()[face as usize].scale
     };
+    let none = Cell { size: [0.0; 2], is_aligned: true };
     let mut chords: Vec<Vec<f64>> = scene.frames().iter().map(|frame| vec![0.0; frame.pieces()]).collect();
+    let mut cells: Vec<Vec<Cell>> = scene.frames().iter().map(|frame| vec![none; frame.pieces()]).collect();
     for (Placed { record, measured, .. }, Chosen { level, .. }) in placed.iter().zip(chosen) {
         let borders = record.borders.iter().map(|border| border.face);
         let faces = borders.chain(record.corners.iter().map(|corner| corner.face)).chain([record.face]);
@@ -374,8 +356,10 @@ fn chords(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> Vec<Vec<
         let size = measured.part.size.map(f64::from);
         let speed = (measured.bounds.u * width / size[0]).max(measured.bounds.v * height / size[1]);
         let chord = measured.chord(*level) + rounding + f64::from(f32::EPSILON) * speed;
-        let of_patch = &mut chords[record.face as usize][measured.patch];
-        *of_patch = chord.max(*of_patch);
+        let (face, patch) = (record.face as usize, measured.patch);
+        chords[face][patch] = chord.max(chords[face][patch]);
+        let cell = &mut cells[face][patch].size;
+        (0..2).for_each(|k| cell[k] = cell[k].max(size[k] / f64::from(1u32 << level[k])));
     }
-    chords
+    (chords, cells)
 }

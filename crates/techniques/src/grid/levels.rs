@@ -7,9 +7,6 @@ use super::record::{GridRecord, LOW_U, Measure, OUT};
 use pipeline::View;
 use rayon::prelude::*;
 
-/// log₂ of the cells of a patch in one direction at most.
-pub const GREATEST_LEVEL: u32 = 11;
-
 /// How much wider than the picture is what counts as in it, as a share of half of it.
 pub const WIDE: f32 = 1.0 + 1.0 / 16.0;
 
@@ -27,8 +24,18 @@ pub const SKIRT_PX: f32 = crate::triangles::SKIRT_PX as f32;
 pub struct Asked {
     /// How far flat cells may be off the surface, pixels.
     pub error_px: f32,
+    /// The reciprocal of it: on a GPU a quotient is not the same to the bit, a product is.
+    pub per_error: f32,
     /// The least and the greatest level that may be chosen.
     pub levels: [u32; 2],
+}
+
+impl Asked {
+    /// So many pixels at most, by levels up to `most`.
+    pub fn new(error_px: f64, most: u32) -> Self {
+        let error_px = error_px as f32;
+        Self { error_px, per_error: 1.0 / error_px, levels: [0, most] }
+    }
 }
 
 /// What a view decides of a patch alone.
@@ -36,8 +43,11 @@ pub struct Asked {
 pub struct Chosen {
     /// Its levels.
     pub level: [u32; 2],
-    /// What a pixel measures where the patch is nearest, local units.
+    /// What a pixel measures where the patch is nearest, local units; where the greatest level leaves more than the error, so
+    /// much more that skirts are as wide.
     pub pixel: f32,
+    /// How many times the error its cells may be off: 1 where levels keep to it.
+    pub short: f32,
     /// Whether it may be in the picture.
     pub is_seen: bool,
 }
@@ -66,7 +76,15 @@ pub fn chosen(measure: &Measure, view: &View, asked: &Asked) -> Chosen {
     let forward = w[0].abs().max(w[1].abs()).max(w[2].abs());
     let nearest = range(w, measure)[0].max(NEAREST_SHARE * measure.diagonal * forward);
     let pixel = view.units[3] * nearest;
-    Chosen { level: level(measure.bend, asked.error_px * pixel, asked.levels), pixel, is_seen }
+    let allowed = asked.error_px * pixel;
+    let level = level(measure.bend, allowed, asked.levels);
+    let off = chord(measure.bend, level);
+    let widened = off * asked.per_error;
+    if off > allowed && widened <= f32::MAX {
+        Chosen { level, pixel: widened, short: off / allowed, is_seen }
+    } else {
+        Chosen { level, pixel, short: 1.0, is_seen }
+    }
 }
 
 /// The least levels, the direction that gains more first, whose cells are off by so much at most.

@@ -49,7 +49,7 @@ pub struct BorderRecord {
 pub struct GridRecord {
     /// The face.
     pub face: u32,
-    /// On which sides it has a skirt; [`OUT`].
+    /// On which sides it has a skirt: a bit each, u = 0 the lowest; 16 where it is out of the picture.
     pub sides: u32,
     /// The face's spans.
     pub span: [u32; 2],

@@ -227,6 +227,17 @@ impl<F: Feed> Frame for Drawn<F> {
             DepthOrder::Farthest => 1.0,
         };
         let (width, height) = (targets.viewport.width() as f32, targets.viewport.height() as f32);
+        // The clock starts before what the first step computes.
+        if let Some(Stamps { set, start }) = stamps {
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("start"),
+                timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
+                    query_set: set,
+                    beginning_of_pass_write_index: Some(start),
+                    end_of_pass_write_index: None,
+                }),
+            });
+        }
         // A picture of nothing is cleared, too.
         let steps = self.fed.steps().max(1);
         for step in 0..steps {
@@ -243,11 +254,11 @@ impl<F: Feed> Frame for Drawn<F> {
                     }),
                     stencil_ops: None,
                 }),
-                timestamp_writes: stamps.filter(|_| is_first || is_last).map(|Stamps { set, start }| {
+                timestamp_writes: stamps.filter(|_| is_last).map(|Stamps { set, start }| {
                     wgpu::RenderPassTimestampWrites {
                         query_set: set,
-                        beginning_of_pass_write_index: is_first.then_some(start),
-                        end_of_pass_write_index: is_last.then_some(start + 1),
+                        beginning_of_pass_write_index: None,
+                        end_of_pass_write_index: Some(start + 1),
                     }
                 }),
                 ..Default::default()

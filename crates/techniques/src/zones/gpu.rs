@@ -72,6 +72,8 @@ impl Feed for Generator {
 
     fn new(device: &Device, zones: &Zones) -> Result<Self, GpuError> {
         let most = zones.steps.iter().map(|step| step.zones.len() as u64).max().unwrap_or(1);
+        let limit = u64::from(device.limits.max_compute_workgroups_per_dimension);
+        device.fits("the zones of a step", "max_compute_workgroups_per_dimension", most, limit)?;
         let grids = device.storage("grids", bytemuck::cast_slice(&zones.grids.picture.records))?;
         let firsts = device.storage("first zones", bytemuck::cast_slice(&zones.firsts))?;
         let found = device.empty("zones", 16 * most)?;

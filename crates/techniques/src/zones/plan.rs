@@ -1,18 +1,14 @@
 //! Which zones there are, and in which steps they are drawn.
 
+use crate::error::PrepareError;
 use crate::grid::Grids;
+use crate::limits::Limits;
 use crate::triangles::cell;
 use pipeline::{Mesh, PackedScene, Program};
 use std::ops::Range;
 
 /// Cells of a zone along each side: Concheiro's m.
 pub const SIDE: u32 = 4;
-
-/// Zones of a step at most. Their corners take 13 MB.
-const MOST: u32 = 8192;
-
-/// Zones of a step in the paper: a geometry shader emits at most 1024 words, and a zone is four of them.
-pub const PAPER_ZONES: u32 = 1024 / 4;
 
 /// Zones that are found, evaluated and drawn together.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,40 +30,64 @@ pub struct Zones {
     pub firsts: Vec<u32>,
     /// In drawing order.
     pub steps: Vec<Step>,
-    /// Zones of a step at most.
-    pub most: u32,
-    /// The program of each run of grids, and its zones.
-    programs: Vec<Step>,
 }
 
 impl Zones {
-    /// The zones of grids of a scene.
-    pub fn new(grids: Grids, scene: &PackedScene) -> Self {
+    /// The zones of grids of a scene, in steps within the limits.
+    ///
+    /// # Errors
+    /// [`PrepareError::TooManyZones`] where steps are of whole patches, and one has more zones than a step may.
+    pub fn new(grids: Grids, scene: &PackedScene, limits: &Limits) -> Result<Self, PrepareError> {
+        let most = limits.zones.max(1);
         let mut firsts = vec![0];
-        let mut programs: Vec<Step> = vec![];
+        let mut patches = vec![];
         for record in &grids.picture.records {
             let start = firsts[firsts.len() - 1];
-            let end = start + record.cells().map(|cells| cells.div_ceil(SIDE)).iter().product::<u32>();
-            firsts.push(end);
-            let program = scene.programs()[record.face as usize];
-            match programs.last_mut() {
-                Some(step) if step.program == program => step.zones.end = end,
-                _ => programs.push(Step { program, zones: start..end }),
+            let zones = record.cells().map(|cells| cells.div_ceil(SIDE)).iter().product::<u32>();
+            if zones > most && limits.batch.is_some() {
+                return Err(PrepareError::TooManyZones { face: record.face, span: record.span, zones, most });
+            }
+            firsts.push(start + zones);
+            if zones > 0 {
+                patches.push(Step { program: scene.programs()[record.face as usize], zones: start..start + zones });
             }
         }
+        let steps = match limits.batch {
+            None => of_zones(&patches, most),
+            Some(batch) => of_patches(&patches, batch.max(1), most),
+        };
         let mesh = in_zones(&grids, scene);
-        Self { grids, mesh, firsts, steps: vec![], most: MOST, programs }.in_steps_of(MOST)
+        Ok(Self { grids, mesh, firsts, steps })
     }
+}
 
-    /// The same in steps of at most so many zones, one at least.
-    pub fn in_steps_of(self, most: u32) -> Self {
-        let most = most.max(1);
-        let steps = self.programs.iter().flat_map(|Step { program, zones }| {
-            let starts = zones.clone().step_by(most as usize);
-            starts.map(|start| Step { program: *program, zones: start..zones.end.min(start.saturating_add(most)) })
-        });
-        Self { steps: steps.collect(), most, ..self }
+/// Steps that are full wherever a program has as many zones, each patch being a step by itself before.
+fn of_zones(patches: &[Step], most: u32) -> Vec<Step> {
+    let of_run = |run: &[Step]| {
+        let (program, start, end) = (run[0].program, run[0].zones.start, run[run.len() - 1].zones.end);
+        let starts = (start..end).step_by(most as usize);
+        starts.map(move |start| Step { program, zones: start..end.min(start.saturating_add(most)) })
+    };
+    patches.chunk_by(|a, b| a.program == b.program).flat_map(of_run).collect()
+}
+
+/// Steps of whole patches, `batch` of them at most, none of which has more zones than a step may.
+fn of_patches(patches: &[Step], batch: u32, most: u32) -> Vec<Step> {
+    let mut steps: Vec<Step> = vec![];
+    let mut more = 0;
+    for Step { program, zones } in patches {
+        match steps.last_mut() {
+            Some(step) if more > 0 && step.program == *program && zones.end - step.zones.start <= most => {
+                step.zones.end = zones.end;
+                more -= 1;
+            }
+            _ => {
+                steps.push(Step { program: *program, zones: zones.clone() });
+                more = batch - 1;
+            }
+        }
     }
+    steps
 }
 
 /// The grids' triangles, zone by zone.

@@ -7,7 +7,7 @@ use models::TeaScene;
 use pipeline::PackedScene;
 use scene::Viewport;
 use serde::Serialize;
-use techniques::{Setting, Technique};
+use techniques::{Limits, Setting, Technique};
 
 /// Views over which adaptive counts are averaged: round the model, as it fills the picture.
 pub const VIEWS: usize = 6;
@@ -17,6 +17,11 @@ const CELLS: usize = 31;
 
 /// Triangles that are built to be counted, at most.
 const MOST: usize = 4 << 20;
+
+/// Levels up to Concheiro's L. His grids have 2^(L + 1) values along a side, and one cell less; ours have as many cells.
+pub fn of_paper(level: u32) -> Limits {
+    Limits { level: level + 1, ..Limits::default() }
+}
 
 /// A row, in thousands of 1,024 triangles.
 #[derive(Debug, Clone, Serialize)]
@@ -29,8 +34,8 @@ pub struct Count {
     paper_adaptive_6: f64,
     /// What a technique with equal cells makes of level 4; absent where that is too many to build.
     uniform_4: Option<f64>,
-    /// What techniques with levels by error make, on average.
-    pub adaptive: Vec<(&'static str, f64)>,
+    /// What each technique makes by error on average, with the paper's levels up to 4, and up to 6; equal where it has none.
+    pub adaptive: Vec<(&'static str, [f64; 2])>,
 }
 
 impl Count {
@@ -45,23 +50,22 @@ impl Count {
             thousands(self.paper_adaptive_4),
             thousands(self.paper_adaptive_6),
         ];
-        cells.extend(self.adaptive.iter().map(|(_, count)| thousands(*count)));
+        cells.extend(self.adaptive.iter().map(|(_, [four, six])| format!("{four:.2} / {six:.2}")));
         cells
     }
 }
 
-/// The rows of scenes with at most `most` patches.
+/// The rows of scenes.
 ///
 /// # Errors
 /// Where one cannot be prepared.
 pub fn counts(
     plan: Plan,
     viewport: Viewport,
-    most: usize,
+    scenes: &[&TeaScene],
     techniques: &[&'static dyn Technique],
 ) -> Result<Vec<Count>> {
-    let scenes = models::SCENES.iter().filter(|scene| scene.patches <= most);
-    scenes.map(|scene| count(scene, plan, viewport, techniques)).collect()
+    scenes.iter().map(|scene| count(scene, plan, viewport, techniques)).collect()
 }
 
 fn count(scene: &TeaScene, plan: Plan, viewport: Viewport, techniques: &[&'static dyn Technique]) -> Result<Count> {
@@ -79,12 +83,17 @@ fn count(scene: &TeaScene, plan: Plan, viewport: Viewport, techniques: &[&'stati
     let cameras = turning(&model, viewport, VIEWS, 0.0);
     let mut adaptive = vec![];
     for technique in techniques {
-        let mut total = 0;
-        for camera in &cameras {
-            let setting = Setting { model: &model, scene: &packed, camera, viewport, chord_px: plan.chord_px };
-            total += technique.prepare(&setting)?.triangles();
-        }
-        adaptive.push((technique.name(), thousands(total) / VIEWS as f64));
+        let up_to = |level: u32| -> Result<f64> {
+            let Plan { chord_px, .. } = plan;
+            let mut total = 0;
+            for camera in &cameras {
+                let limits = of_paper(level);
+                let setting = Setting { model: &model, scene: &packed, camera, viewport, chord_px, limits };
+                total += technique.prepare(&setting)?.triangles();
+            }
+            Ok(thousands(total) / VIEWS as f64)
+        };
+        adaptive.push((technique.name(), [up_to(4)?, up_to(6)?]));
     }
     Ok(Count {
         scene: scene.name,

@@ -5,9 +5,8 @@ use crate::cost::{self, Cost, Patience};
 use crate::stage::{Plan, Stage};
 use scene::{Camera, Model, Viewport};
 use serde::Serialize;
-use std::collections::BTreeSet;
 use std::time::Instant;
-use techniques::Technique;
+use techniques::{GREATEST_LEVEL, Technique};
 
 /// Milliseconds of a frame beyond which a technique is not tried on more patches of the same figure.
 const SLOW_MS: f64 = 2000.0;
@@ -27,6 +26,12 @@ pub struct Line {
     pub renderer: &'static str,
     /// Error asked for, pixels.
     pub error_px: f64,
+    /// log₂ of the cells along a side of a patch at most, where it has a grid.
+    pub level: u32,
+    /// Patches that a step of technique `zones` draws; absent where its zones end a step.
+    pub batch: Option<u32>,
+    /// Whether normals are those of the triangles' corners.
+    pub vertex_normals: bool,
     /// Triangles drawn.
     pub triangles: Option<usize>,
     /// Packing, choosing levels and preparing, once, on the CPU.
@@ -40,9 +45,10 @@ pub struct Line {
 }
 
 /// Heads of the columns of [`Line::cells`].
-pub const HEADS: [&str; 11] = [
+pub const HEADS: [&str; 12] = [
     "model",
     "patches",
+    "asked for",
     "technique",
     "renderer",
     "triangles",
@@ -55,6 +61,21 @@ pub const HEADS: [&str; 11] = [
 ];
 
 impl Line {
+    /// What was asked for, in words.
+    fn asked(&self) -> String {
+        let mut asked = format!("{} px", self.error_px);
+        if self.level < GREATEST_LEVEL {
+            asked += &format!(", cells ≤ {0}x{0}", 1u32 << self.level);
+        }
+        if let Some(batch) = self.batch {
+            asked += &format!(", {batch} a step");
+        }
+        if self.vertex_normals {
+            asked += ", vertex normals";
+        }
+        asked
+    }
+
     /// As a row of the table.
     pub fn cells(&self) -> Vec<String> {
         let ms = |x: Option<f64>| x.map_or_else(|| "—".to_owned(), |x| format!("{x:.3}"));
@@ -63,6 +84,7 @@ impl Line {
         vec![
             self.model.clone(),
             self.patches.to_string(),
+            self.asked(),
             self.technique.to_owned(),
             self.renderer.to_owned(),
             self.triangles.map_or_else(|| "—".to_owned(), |n| n.to_string()),
@@ -82,10 +104,10 @@ pub struct Measuring<'a> {
     viewport: Viewport,
     device: Option<&'a gpu::Device>,
     patience: Patience,
-    /// No model of more patches is drawn.
-    most: usize,
-    /// Models and techniques whose renderers agree.
-    agreed: BTreeSet<(String, &'static str)>,
+    /// Whether a model with so many patches is drawn.
+    is_asked: &'a dyn Fn(&str, usize) -> bool,
+    /// Models whose renderers agree, and how they are drawn.
+    agreed: Vec<(String, Plan)>,
     disagreements: Vec<String>,
     lines: Vec<Line>,
 }
@@ -97,9 +119,9 @@ impl<'a> Measuring<'a> {
         viewport: Viewport,
         device: Option<&'a gpu::Device>,
         patience: Patience,
-        most: usize,
+        is_asked: &'a dyn Fn(&str, usize) -> bool,
     ) -> Self {
-        Self { plan, viewport, device, patience, most, agreed: BTreeSet::new(), disagreements: vec![], lines: vec![] }
+        Self { plan, viewport, device, patience, is_asked, agreed: vec![], disagreements: vec![], lines: vec![] }
     }
 
     /// What was measured, and which renderers disagree.
@@ -116,39 +138,43 @@ impl<'a> Measuring<'a> {
         techniques: &[&'static dyn Technique],
         reference: &'static str,
     ) {
-        self.at_error(figure, name, patches, techniques, self.plan.chord_px, reference);
+        self.drawn(figure, name, patches, techniques, self.plan, reference);
     }
 
-    /// The same at another error.
-    pub fn at_error(
+    /// The same drawn in another way, by each technique in turn. Steps of so many patches are the GPU's alone.
+    pub fn drawn(
         &mut self,
         figure: &'static str,
         name: &str,
         patches: usize,
         techniques: &[&'static dyn Technique],
-        error_px: f64,
+        plan: Plan,
         reference: &'static str,
     ) {
-        if patches > self.most {
+        if !(self.is_asked)(name, patches) {
             return;
         }
         let model = models::builtin(name).expect("built in");
         for &technique in techniques {
-            let plan = Plan { technique, chord_px: error_px, ..self.plan };
+            let plan = Plan { technique, ..plan };
             let line = |renderer| Line {
                 figure,
                 model: name.to_owned(),
                 patches,
                 technique: technique.name(),
                 renderer,
-                error_px,
+                error_px: plan.chord_px,
+                level: plan.limits.level,
+                batch: plan.limits.batch,
+                vertex_normals: plan.vertex_normals,
                 triangles: None,
                 set_up_ms: None,
                 cost: None,
                 not_timed: None,
                 reference,
             };
-            let mut lines = ["raster", "gpu"].map(line);
+            let renderers: &[_] = if plan.limits.batch.is_some() { &["gpu"] } else { &["raster", "gpu"] };
+            let mut lines: Vec<Line> = renderers.iter().copied().map(line).collect();
             for line in &mut lines {
                 line.not_timed = self.too_slow(line);
             }
@@ -174,11 +200,11 @@ impl<'a> Measuring<'a> {
     }
 
     /// Fills in what can be timed; returns why the rest cannot.
-    fn timed(&mut self, model: &Model, plan: Plan, lines: &mut [Line; 2]) -> Option<String> {
-        let key = (model.name().to_owned(), plan.technique.name());
+    fn timed(&mut self, model: &Model, plan: Plan, lines: &mut [Line]) -> Option<String> {
+        let key = (model.name().to_owned(), Plan { chord_px: self.plan.chord_px, ..plan });
         if !self.agreed.contains(&key) {
-            match disagreement(model, self.device, Plan { chord_px: self.plan.chord_px, ..plan }) {
-                Ok(None) => self.agreed.insert(key),
+            match disagreement(model, self.device, key.1) {
+                Ok(None) => self.agreed.push(key),
                 Ok(Some(text)) => {
                     self.disagreements.push(text.clone());
                     return Some(text);
@@ -193,21 +219,18 @@ impl<'a> Measuring<'a> {
             Err(error) => return Some(format!("{error:#}")),
         };
         let set_up_ms = 1e3 * clock.elapsed().as_secs_f64();
-        let [raster, on_gpu] = lines;
-        for line in [&mut *raster, &mut *on_gpu] {
+        for line in lines {
             line.triangles = Some(stage.prepared.triangles());
             line.set_up_ms = Some(set_up_ms);
-        }
-        if raster.not_timed.is_none() {
-            raster.cost = Some(cost::on_cpu(&stage, self.patience));
-        }
-        match self.device {
-            None => on_gpu.not_timed = Some("gpu not run".to_owned()),
-            Some(device) if on_gpu.not_timed.is_none() => match cost::on_gpu(&stage, device, self.patience) {
-                Ok(cost) => on_gpu.cost = Some(cost),
-                Err(error) => return Some(format!("{error:#}")),
-            },
-            Some(_) => {}
+            match (line.renderer, self.device) {
+                ("gpu", None) => line.not_timed = Some("gpu not run".to_owned()),
+                _ if line.not_timed.is_some() => {}
+                ("gpu", Some(device)) => match cost::on_gpu(&stage, device, self.patience) {
+                    Ok(cost) => line.cost = Some(cost),
+                    Err(error) => return Some(format!("{error:#}")),
+                },
+                _ => line.cost = Some(cost::on_cpu(&stage, self.patience)),
+            }
         }
         None
     }
@@ -221,7 +244,7 @@ mod tests {
     fn what_was_too_slow_is_not_tried_on_more_patches() {
         let viewport = Viewport::new(32, 32).unwrap();
         let patience = Patience { frames: 3, seconds: 1e-3 };
-        let mut measuring = Measuring::new(Plan::default(), viewport, None, patience, 100);
+        let mut measuring = Measuring::new(Plan::default(), viewport, None, patience, &|_, patches| patches <= 100);
         let line = |technique, renderer, frame_ms: Option<f64>| Line {
             figure: "a figure",
             model: "quilt-100".to_owned(),
@@ -229,6 +252,9 @@ mod tests {
             technique,
             renderer,
             error_px: 0.5,
+            level: GREATEST_LEVEL,
+            batch: None,
+            vertex_normals: false,
             triangles: None,
             set_up_ms: None,
             cost: frame_ms.map(|frame_ms| Cost {

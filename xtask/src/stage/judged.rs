@@ -1,0 +1,144 @@
+//! The pictures of a stage against each other, and against rays.
+
+use super::drawn::{Original, Rendered, Stage};
+use crate::terminal;
+use anyhow::Result;
+use compare::{Deviation, Judge, PairReport, PixelVerdict, Sampler};
+use gbuffer::{GBuffer, Hit};
+use raster::PointSampler;
+use raycast::Caster;
+use scene::{Camera, Viewport};
+
+/// The ray caster, asked at any position.
+pub struct Rays<'a> {
+    /// It.
+    pub caster: &'a Caster<'a>,
+    /// Who looks.
+    pub camera: Camera,
+    /// At how many pixels.
+    pub viewport: Viewport,
+}
+
+impl Sampler for Rays<'_> {
+    fn first(&self, x: f64, y: f64) -> Option<Hit> {
+        self.caster.first(&self.camera.ray(self.viewport, x, y)).hit
+    }
+}
+
+/// The CPU rasterizer, asked at any position.
+struct Triangles<'a>(PointSampler<'a>);
+
+impl Sampler for Triangles<'_> {
+    fn first(&self, x: f64, y: f64) -> Option<Hit> {
+        self.0.sample(x, y)
+    }
+
+    fn layers(&self, x: f64, y: f64) -> Vec<Hit> {
+        self.0.layers(x, y)
+    }
+}
+
+impl Stage<'_> {
+    /// Compares all pairs.
+    ///
+    /// # Errors
+    /// Where two buffers cannot be compared.
+    pub fn compare(&self, caster: &Caster, rendered: &Rendered) -> Result<Vec<PairReport>> {
+        let mut pairs = vec![self.against_raycast(caster, &rendered.raycast, &rendered.raster)?];
+        if let Ok(gpu) = &rendered.gpu {
+            pairs.push(self.against_raycast(caster, &rendered.raycast, &gpu.gbuffer)?);
+            pairs.push(self.against_raster(&rendered.raster, &gpu.gbuffer)?);
+        }
+        Ok(pairs)
+    }
+
+    /// A rasterized buffer against the ray caster.
+    ///
+    /// # Errors
+    /// Where the buffers cannot be compared.
+    pub fn against_raycast(&self, caster: &Caster, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
+        self.pair(reference, &self.rays(caster), candidate, true)
+    }
+
+    /// The GPU's buffer against the CPU rasterizer's.
+    ///
+    /// # Errors
+    /// Where the buffers cannot be compared.
+    pub fn against_raster(&self, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
+        let rasterizer = self.rasterizer(raster::Options { curvature: false, vertex_normals: false });
+        self.pair(reference, &Triangles(rasterizer.sampler()), candidate, false)
+    }
+
+    /// What each comparison says of pixel `at`, with the names of reference and candidate.
+    ///
+    /// # Errors
+    /// Where two buffers cannot be compared.
+    pub fn pixel(
+        &self,
+        caster: &Caster,
+        rendered: &Rendered,
+        at: [usize; 2],
+    ) -> Result<Vec<(String, String, PixelVerdict)>> {
+        let rays = self.rays(caster);
+        let rasterizer = self.rasterizer(raster::Options { curvature: false, vertex_normals: false });
+        let triangles = Triangles(rasterizer.sampler());
+        let Rendered { raycast, raster, gpu } = rendered;
+        let mut pairs: Vec<(&GBuffer, &dyn Sampler, &GBuffer, bool)> = vec![(raycast, &rays, raster, true)];
+        if let Ok(gpu) = gpu {
+            pairs.push((raycast, &rays, &gpu.gbuffer, true));
+            pairs.push((raster, &triangles, &gpu.gbuffer, false));
+        }
+        let verdict = |(reference, sampler, candidate, exact): (&GBuffer, &dyn Sampler, &GBuffer, bool)| {
+            let verdict = self.judge(exact).pixel(reference, sampler, candidate, &self.deviation(exact), exact, at)?;
+            Ok((reference.meta().renderer.clone(), candidate.meta().renderer.clone(), verdict))
+        };
+        pairs.into_iter().map(verdict).collect()
+    }
+
+    fn rays<'a>(&self, caster: &'a Caster<'a>) -> Rays<'a> {
+        Rays { caster, camera: self.camera, viewport: self.viewport }
+    }
+
+    /// Of pictures against the surface itself, or of two renderers of the same triangles.
+    fn judge(&self, exact: bool) -> Judge<'_> {
+        let judge = match self.original.as_ref().filter(|_| exact) {
+            None => Judge::new(self.model, &self.camera, self.viewport, &self.scene),
+            Some(Original { model, scene, .. }) => {
+                Judge::new(model, &self.camera, self.viewport, scene).of_drawn(self.model, &self.scene)
+            }
+        };
+        judge.with_unbounded_share(self.plan.unbounded_share)
+    }
+
+    /// The allowance against the surface itself, or between two renderers of the same triangles.
+    fn deviation(&self, exact: bool) -> Deviation {
+        let (claims, chord, asked_px) = (self.plan.technique.claims(), self.prepared.chord(), self.plan.chord_px);
+        let deviation = if exact {
+            Deviation::against_surface(claims, &self.interpolation, chord, asked_px)
+        } else {
+            Deviation::between_twins(claims, &self.interpolation, chord, asked_px)
+        };
+        let deviation = match &self.vertex_normals {
+            None => deviation,
+            Some(normals) => deviation.with_vertex_normals(normals.clone()),
+        };
+        let deviation = match self.original.as_ref().filter(|_| exact) {
+            None => deviation,
+            Some(original) => deviation.of_stand_in(original.stand_in),
+        };
+        match &self.scene.masks() {
+            None => deviation,
+            Some(masks) => {
+                let text = format!("{}; trim edges: masks within {:.3} px", deviation.text, masks.plan.error_px());
+                Deviation { text, ..deviation }
+            }
+        }
+    }
+
+    fn pair(&self, reference: &GBuffer, sampler: &dyn Sampler, candidate: &GBuffer, exact: bool) -> Result<PairReport> {
+        let what = format!("{} | {}", reference.meta().renderer, candidate.meta().renderer);
+        let bar = terminal::progress(&what, self.viewport.height());
+        let deviation = self.deviation(exact);
+        Ok(self.judge(exact).pair(reference, sampler, candidate, &deviation, exact, &|rows| bar.inc(rows as u64))?)
+    }
+}
