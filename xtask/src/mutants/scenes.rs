@@ -54,7 +54,7 @@ fn triangles() -> Vec<Shown> {
             ..orthographic(framed("degree 1", builtin("bilinear-quartic"), Scheme::General))
         },
         Shown { shade: ShadeKind::Gaussian, ..framed("weights along u alone", cylinder(), Scheme::General) },
-        Shown { shade: ShadeKind::Phong, ..framed("poles", builtin("sphere"), Scheme::Specialised) },
+        Shown { shade: ShadeKind::Phong, ..framed("poles", reversed(builtin("sphere")), Scheme::Specialised) },
         steep(),
         edge_on_centres(false),
         edge_on_centres(true),
@@ -65,7 +65,7 @@ fn triangles() -> Vec<Shown> {
         strip("thin in v", true),
         cusp("slow in u", false),
         cusp("slow in v", true),
-        framed("islands", builtin("islands"), Scheme::Specialised),
+        Shown { shade: ShadeKind::Mean, ..framed("islands", builtin("islands"), Scheme::Specialised) },
         framed("a word", builtin("text"), Scheme::General),
         framed("beside a whole face", joined(&builtin("cusp"), &cylinder()), Scheme::General),
         framed("across a seam", builtin("window"), Scheme::Specialised),
@@ -176,7 +176,8 @@ fn square(mirrored: bool) -> Model {
 fn steep() -> Shown {
     let projection = Projection::Perspective { fov_deg: 70.0 };
     let camera = Camera::look_at(DVec3::new(0.0, -1.2, 0.35), DVec3::ZERO, DVec3::Z, projection).expect("legal");
-    Shown { camera, cells: Some(1), ..framed("steep perspective", square(false), Scheme::General) }
+    let shade = ShadeKind::Zebra;
+    Shown { camera, cells: Some(1), shade, ..framed("steep perspective", square(false), Scheme::General) }
 }
 
 /// The square's left and upper edges run a thousandth of a pixel inside a row and a column of pixel centres. Corners that

@@ -85,8 +85,8 @@ impl<'s> Trial<'s> {
         Ok(Self { shown, stage, caster, reference, evaluations })
     }
 
-    /// Draws with the programs that `source` makes, their loops capped, and judges them. A GPU that refuses or fails is a catch too; the
-    /// device should not be used again then.
+    /// Draws with the programs that `source` makes, their loops capped, and judges them. A GPU that refuses or fails is a
+    /// catch too; the device should not be used again then.
     ///
     /// # Errors
     /// Where the answer cannot be judged.

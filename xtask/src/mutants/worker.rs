@@ -175,8 +175,8 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// A worker that has drawn the sources as they are on every scene of a technique's mutants, and found that they agree. Its time is the measure
-    /// of the mutants'.
+    /// A worker that has drawn the sources as they are on every scene of a technique's mutants, and found that they agree.
+    /// Its time is the measure of the mutants'.
     ///
     /// # Errors
     /// Where it cannot be started or cannot judge, or the sources do not agree.

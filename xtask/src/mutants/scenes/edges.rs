@@ -7,7 +7,7 @@ use crate::stage::Plan;
 use glam::{DVec2, DVec3, dvec2};
 use nurbs::{KnotVector, Surface};
 use pipeline::Scheme;
-use scene::{Camera, Face, Loop, Model, Projection, Trim};
+use scene::{Camera, Face, Loop, Model, Projection, Trim, Viewport};
 use std::f64::consts::FRAC_PI_3;
 
 /// What shows where trim edges pass by.
@@ -41,7 +41,11 @@ pub(super) fn edges() -> Vec<Shown> {
     let porthole = [0.78 + 0.05 * cosine, 0.5 + 0.11 * sine];
     vec![
         whole("edges of islands", "islands"),
-        orthographic(whole("edges of a word", "text")),
+        // No square: what belongs to one side of the picture is not right for the other.
+        Shown {
+            viewport: Viewport::new(48, 32).expect("a legal size"),
+            ..orthographic(whole("edges of a word", "text"))
+        },
         whole("edges by a seam", "window"),
         of("edges beside a whole face", joined(&builtin("cusp"), &cylinder())),
         turning("edges where the surface turns away", builtin("window"), [0.9, 0.1, 0.1]),

@@ -115,7 +115,9 @@ pub(super) fn joints_along_parameters() -> Shown {
 /// level or all upright; joints at a slant that are seen edge-on; and gaps about centres that are a little too wide for that.
 pub(super) fn close_joints() -> Vec<Shown> {
     let edge_on = |sine: f64, half_gap_px: f64| {
-        let camera = from(DVec3::new(0.0, -(1.0 - sine * sine).sqrt(), sine), Projection::Orthographic { height: 4.0 });
+        // So far off that all of the surface that fills the picture is before the eye.
+        let eye = 4.0 / sine * DVec3::new(0.0, -(1.0 - sine * sine).sqrt(), sine);
+        let camera = from(eye, Projection::Orthographic { height: 4.0 });
         // Across the joints a pixel is that much longer there.
         let starts = rightward().starts.map(|[x, y]| [x - 40 * 2, y - 40]);
         let steps = rightward().steps + 2 * 40;
@@ -126,7 +128,7 @@ pub(super) fn close_joints() -> Vec<Shown> {
     let strips = [
         Strips { name: "level joints", exchanged: [false; 2], ..along_rows },
         Strips { name: "upright joints", exchanged: [true; 2], ..along_rows },
-        Strips { name: "joints seen edge-on", beyond: FAR_BEYOND, ..edge_on(EDGE_ON, -OVERLAP_PX) },
+        Strips { name: "joints seen edge-on", beyond: FAR_BEYOND * EDGE_ON, ..edge_on(EDGE_ON, -OVERLAP_PX) },
         Strips { name: "gaps seen edge-on", ..edge_on(NEARLY_GONE, 0.125) },
         Strips { name: "narrow gaps", half_gap_px: 1.0 / 24.0, exchanged: [true; 2], ..rightward() },
     ];
