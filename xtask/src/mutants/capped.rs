@@ -6,7 +6,7 @@ use super::token::{Kind, tokens};
 /// drawn so, too, before any mutant is, and an end too early would show.
 const TURNS: u32 = 1 << 20;
 
-/// The program, none of whose invocations takes more than [`TURNS`] turns.
+/// The program, none of whose invocations takes more than 2^20 turns.
 pub fn capped(program: &str) -> String {
     let tokens = tokens(program);
     let word = |i: usize| &program[tokens[i].range.clone()];

@@ -47,6 +47,7 @@ fn triangles() -> Vec<Shown> {
             shade: ShadeKind::Mean,
             ..framed("reversed and rational", reversed(builtin("torus")), Scheme::General)
         },
+        Shown { shade: ShadeKind::Mean, ..framed("bent the other way", builtin("torus"), Scheme::Specialised) },
         Shown { shade: ShadeKind::Face, ..framed("many faces", builtin("teapot"), Scheme::Specialised) },
         Shown { shade: ShadeKind::Checker, ..framed("periodic knots", builtin("periodic"), Scheme::General) },
         Shown {
@@ -65,7 +66,7 @@ fn triangles() -> Vec<Shown> {
         strip("thin in v", true),
         cusp("slow in u", false),
         cusp("slow in v", true),
-        Shown { shade: ShadeKind::Mean, ..framed("islands", builtin("islands"), Scheme::Specialised) },
+        framed("islands", builtin("islands"), Scheme::Specialised),
         framed("a word", builtin("text"), Scheme::General),
         framed("beside a whole face", joined(&builtin("cusp"), &cylinder()), Scheme::General),
         framed("across a seam", builtin("window"), Scheme::Specialised),
