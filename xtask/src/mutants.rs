@@ -131,7 +131,7 @@ fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
     let end = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = (cores / usize::from(args.jobs)).max(1);
-    let setting = Setting { adapter: args.adapter.clone(), scenes: args.scene.clone(), threads };
+    let setting = Setting { adapter: args.adapter.clone(), scenes: args.scene.clone(), jobs: args.jobs, threads };
     let first = Worker::of_sound_sources(setting, args.technique)?;
     let others: Vec<Worker> = (1..args.jobs).map(|_| first.another()).collect();
     let bar = terminal::progress("mutants", left.len());

@@ -37,10 +37,12 @@ impl Limits {
     /// How often the time of the sources as they are a mutant has: others are at work beside it.
     const TIMES: u32 = 4;
 
-    /// Of a mutant, where the sources as they are took this long for their slowest scene.
-    fn after(slowest: Self) -> Self {
+    /// Of a mutant, where the sources as they are took this long for their slowest scene, and so many workers share the GPU
+    /// where one had it then. One that waits for a GPU may compute as it waits, so that processor time counts as often.
+    fn after(slowest: Self, jobs: u32) -> Self {
         let Self { cpu, wall } = Self::LEAST;
-        Self { cpu: cpu.max(Self::TIMES * slowest.cpu), wall: wall.max(Self::TIMES * slowest.wall) }
+        let longest = |least: Duration, taken: Duration| jobs * least.max(Self::TIMES * taken);
+        Self { cpu: longest(cpu, slowest.cpu), wall: longest(wall, slowest.wall) }
     }
 }
 
@@ -61,6 +63,8 @@ pub struct Setting {
     pub adapter: Option<String>,
     /// Only scenes of these names, where there are any.
     pub scenes: Vec<String>,
+    /// How many work at once.
+    pub jobs: u16,
     /// Threads that each computes with.
     pub threads: usize,
 }
@@ -190,7 +194,7 @@ impl Worker {
             Outcome::Survived(0) => bail!("no scene of technique {} is called so", technique.name()),
             Outcome::Survived(_) => {}
         }
-        worker.limits = Limits::after(slowest);
+        worker.limits = Limits::after(slowest, worker.setting.jobs.into());
         Ok(worker)
     }
 
@@ -244,7 +248,7 @@ impl Worker {
 }
 
 impl Running {
-    fn start(Setting { adapter, scenes, threads }: &Setting) -> Result<Self> {
+    fn start(Setting { adapter, scenes, threads, .. }: &Setting) -> Result<Self> {
         let program = std::env::current_exe().context("this program's own file")?;
         let mut command = Command::new(program);
         command.args(["mutants", "--worker"]).envs(MESA).env("RAYON_NUM_THREADS", threads.to_string());
