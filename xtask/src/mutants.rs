@@ -1,5 +1,7 @@
 //! `mutants`: changes the WGSL in one small place after the other and counts the changes that the comparison catches.
 
+pub mod capped;
+pub mod journal;
 pub mod mutant;
 pub mod operator;
 pub mod record;
@@ -15,15 +17,16 @@ use crate::output;
 use crate::{technique, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use journal::Journal;
 use mutant::{Generated, Mutant, generate};
 use report::{Report, Tried};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use techniques::Technique;
-use worker::Worker;
+use worker::{Setting, Worker};
 
 /// Mutants tried at once: each worker's software GPU keeps two cores busy about half of the time.
 const DEFAULT_JOBS: u16 = 2;
@@ -43,7 +46,10 @@ pub struct MutantsArgs {
     /// Only mutants of this file, or of one line of it, as in eval.wgsl:27; may be given several times
     #[arg(long, value_name = "FILE[:LINE]")]
     at: Vec<String>,
-    /// Try this many, drawn by chance from those that are not on the reviewed list
+    /// Draw only the scene of this name; may be given several times
+    #[arg(long, value_name = "NAME")]
+    scene: Vec<String>,
+    /// Try this many, drawn by chance from those that are not on the reviewed list, in the order drawn
     #[arg(long, value_name = "N")]
     sample: Option<usize>,
     /// What the chance starts from
@@ -55,6 +61,12 @@ pub struct MutantsArgs {
     /// Mutants tried at once, each in a process of its own
     #[arg(long, value_name = "N", default_value_t = DEFAULT_JOBS, value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: u16,
+    /// Begin none after this many seconds; those left are untried
+    #[arg(long, value_name = "S")]
+    seconds: Option<u64>,
+    /// Write a line to this file as soon as a mutant's outcome is known, and try none that stands there
+    #[arg(long, value_name = "FILE")]
+    journal: Option<PathBuf>,
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -75,7 +87,7 @@ pub struct MutantsArgs {
 /// Where there is no adapter, the sources as they are do not agree, or a file cannot be read or written.
 pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
     if args.worker {
-        worker::serve(args.adapter.as_deref())?;
+        worker::serve(args.adapter.as_deref(), &args.scene)?;
         return Ok(ExitCode::SUCCESS);
     }
     let reviewed = record::reviewed()?;
@@ -93,8 +105,9 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let began = Instant::now();
-    let tried = tried(chosen, args)?;
-    let report = Report::new(mutants.len(), stillborn, tried, &reviewed, unknown, began.elapsed());
+    let (count, tried) = (chosen.len(), tried(chosen, args)?);
+    let untried = count - tried.len();
+    let report = Report::new([mutants.len(), stillborn.len(), untried], tried, &reviewed, unknown, began.elapsed());
     if let Some(folder) = &args.out {
         output::folder(folder)?;
         output::write_json(&folder.join("mutants.json"), &report)?;
@@ -106,22 +119,39 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
     Ok(ExitCode::from(if report.is_proof() { 0 } else { 1 }))
 }
 
-/// What becomes of each.
+/// What becomes of each that there is time for.
 fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
-    let first = Worker::of_sound_sources(args.adapter.as_deref(), args.technique)?;
+    let journal = args.journal.as_deref().map(Journal::open).transpose()?.unwrap_or_default();
+    let known = |mutant: &Mutant| Some(Tried { outcome: journal.known(&mutant.key)?.clone(), mutant: mutant.clone() });
+    let mut all: Vec<Tried> = mutants.iter().filter_map(known).collect();
+    let left: Vec<&Mutant> = mutants.iter().filter(|mutant| journal.known(&mutant.key).is_none()).collect();
+    if left.is_empty() {
+        return Ok(all);
+    }
+    let end = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = (cores / usize::from(args.jobs)).max(1);
+    let setting = Setting { adapter: args.adapter.clone(), scenes: args.scene.clone(), jobs: args.jobs, threads };
+    let first = Worker::of_sound_sources(setting, args.technique)?;
     let others: Vec<Worker> = (1..args.jobs).map(|_| first.another()).collect();
-    let bar = terminal::progress("mutants", mutants.len());
+    let bar = terminal::progress("mutants", left.len());
     let next = AtomicUsize::new(0);
-    let found: Mutex<Vec<(usize, Result<worker::Outcome>)>> = Mutex::new(vec![]);
+    let found: Mutex<Vec<Result<Tried>>> = Mutex::new(vec![]);
+    let tried = |worker: &mut Worker, mutant: &Mutant| {
+        let place = || format!("{}:{}", mutant.key.file, mutant.line);
+        let tried = Tried { mutant: mutant.clone(), outcome: worker.outcome(mutant).with_context(place)? };
+        journal.add(&tried)?;
+        Ok(tried)
+    };
+    let is_over = || end.is_some_and(|end| Instant::now() >= end);
     let work = |mut worker: Worker| {
-        while let Some((index, mutant)) = Some(next.fetch_add(1, Relaxed)).and_then(|i| Some((i, mutants.get(i)?))) {
-            let outcome = worker.outcome(mutant);
-            let failed = outcome.is_err();
-            found.lock().expect("no holder panics").push((index, outcome));
-            bar.inc(1);
-            if failed {
-                next.store(mutants.len(), Relaxed);
+        while let Some(mutant) = left.get(next.fetch_add(1, Relaxed)).filter(|_| !is_over()) {
+            let tried = tried(&mut worker, mutant);
+            if tried.is_err() {
+                next.store(left.len(), Relaxed);
             }
+            found.lock().expect("no holder panics").push(tried);
+            bar.inc(1);
         }
     };
     std::thread::scope(|scope| {
@@ -130,14 +160,10 @@ fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
         }
         work(first);
     });
-    let mut found = found.into_inner().expect("no holder panicked");
-    found.sort_by_key(|(index, _)| *index);
-    let pair = |(index, outcome): (usize, Result<worker::Outcome>)| {
-        let mutant: &Mutant = &mutants[index];
-        let outcome = outcome.with_context(|| format!("{}:{}", mutant.key.file, mutant.line))?;
-        Ok(Tried { mutant: mutant.clone(), outcome })
-    };
-    found.into_iter().map(pair).collect()
+    for tried in found.into_inner().expect("no holder panicked") {
+        all.push(tried?);
+    }
+    Ok(all)
 }
 
 /// Those at any FILE or FILE:LINE.
@@ -162,7 +188,7 @@ fn at_places(mutants: &[Mutant], places: &[String]) -> Result<Vec<Mutant>> {
     Ok(chosen)
 }
 
-/// `count` of them by chance (SplitMix64), in their own order.
+/// `count` of them by chance (SplitMix64).
 fn sample(mutants: Vec<Mutant>, count: usize, seed: u64) -> Vec<Mutant> {
     let mut state = seed;
     let mut random = || {
@@ -175,6 +201,5 @@ fn sample(mutants: Vec<Mutant>, count: usize, seed: u64) -> Vec<Mutant> {
     let mut drawn: Vec<(u64, usize)> = (0..mutants.len()).map(|index| (random(), index)).collect();
     drawn.sort_unstable();
     drawn.truncate(count);
-    drawn.sort_by_key(|&(_, index)| index);
     drawn.into_iter().map(|(_, index)| mutants[index].clone()).collect()
 }

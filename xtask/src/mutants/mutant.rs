@@ -136,7 +136,7 @@ pub fn tried_by(part: &Part) -> &'static dyn Technique {
 }
 
 /// Whether a program parses and validates.
-fn is_legal(source: &str) -> bool {
+pub fn is_legal(source: &str) -> bool {
     let capabilities = naga::valid::Capabilities::default();
     naga::front::wgsl::parse_str(source).is_ok_and(|module| {
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities).validate(&module).is_ok()

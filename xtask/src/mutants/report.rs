@@ -7,13 +7,13 @@ use crate::format::Format;
 use crate::{say, terminal};
 use anyhow::Result;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Duration;
 use techniques::Technique;
 
 /// A mutant and what became of it.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Tried {
     /// The change.
     #[serde(flatten)]
@@ -31,6 +31,8 @@ pub struct Report {
     pub stillborn: usize,
     /// Mutants tried.
     pub tried: usize,
+    /// Mutants for which no time was left.
+    pub untried: usize,
     /// Of these, caught.
     pub caught: usize,
     /// Survivors that are on the reviewed list, by kind of reason.
@@ -63,19 +65,20 @@ pub fn unknown(reviewed: &[Group], mutants: &[Mutant], technique: &'static dyn T
 }
 
 impl Report {
-    /// Adds up a run.
+    /// Adds up a run; the counts are of the mutants that compile, of those that do not, and of those that were not tried.
     pub fn new(
-        generated: usize,
-        stillborn: Vec<Mutant>,
-        tried: Vec<Tried>,
+        [generated, stillborn, untried]: [usize; 3],
+        mut tried: Vec<Tried>,
         reviewed: &[Group],
         unknown: Vec<Key>,
         time: Duration,
     ) -> Self {
+        tried.sort_by(|a, b| (&a.mutant.key.file, a.mutant.start).cmp(&(&b.mutant.key.file, b.mutant.start)));
         let mut report = Self {
             generated,
-            stillborn: stillborn.len(),
+            stillborn,
             tried: tried.len(),
+            untried,
             caught: 0,
             reviewed: BTreeMap::new(),
             survivors: vec![],
@@ -116,7 +119,11 @@ impl Report {
 
     /// Whether every mutant that can be caught was, and the reviewed list holds.
     pub fn is_proof(&self) -> bool {
-        self.tried > 0 && self.survivors.is_empty() && self.refuted.is_empty() && self.unknown.is_empty()
+        self.tried > 0
+            && self.untried == 0
+            && self.survivors.is_empty()
+            && self.refuted.is_empty()
+            && self.unknown.is_empty()
     }
 
     /// The report for people.
@@ -125,11 +132,12 @@ impl Report {
     /// Where standard output takes no more.
     pub fn print(&self) -> Result<()> {
         say!(
-            "{} mutants compile ({} do not); {} tried in {:.0} s: {} caught, {} equivalent, {} permitted, {} survive",
+            "{} mutants compile ({} do not); {} tried in {:.0} s, {} not: {} caught, {} equivalent, {} permitted, {} survive",
             self.generated,
             self.stillborn,
             self.tried,
             self.seconds,
+            self.untried,
             self.caught,
             self.reviewed.get(&Kind::Equivalent).unwrap_or(&0),
             self.reviewed.get(&Kind::Permitted).unwrap_or(&0),

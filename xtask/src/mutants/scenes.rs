@@ -1,17 +1,17 @@
 //! The scenes that mutants are shown on, cheap and telling ones first.
 
 mod disc;
+mod edges;
 mod joints;
 
 use super::shown::{SIDE, Shown, framed};
-use crate::stage::Plan;
 use compare::Claims;
 use gbuffer::ShadeKind;
 use glam::DVec3;
 use nurbs::{Direction, KnotVector, Surface};
 use pipeline::Scheme;
 use scene::{Camera, Face, Model, Projection, Viewport};
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_3};
+use std::f64::consts::FRAC_1_SQRT_2;
 use techniques::Technique;
 
 /// The part that techniques of grids have.
@@ -23,7 +23,7 @@ pub fn scenes(technique: &'static dyn Technique) -> Vec<Shown> {
         Claims::Chord if technique.parts().iter().any(|part| part.file == GRIDS) => {
             [triangles(), joints::joints(), disc::discs()].concat()
         }
-        Claims::Chord => [triangles(), joints::joints(), edges()].concat(),
+        Claims::Chord => [triangles(), joints::joints(), joints::close_joints(), edges::edges()].concat(),
         Claims::OnRay => [hulls(), joints::joints()[4..].to_vec()].concat(),
     };
     let drawn = |mut shown: Shown| {
@@ -47,6 +47,7 @@ fn triangles() -> Vec<Shown> {
             shade: ShadeKind::Mean,
             ..framed("reversed and rational", reversed(builtin("torus")), Scheme::General)
         },
+        Shown { shade: ShadeKind::Mean, ..framed("bent the other way", builtin("torus"), Scheme::Specialised) },
         Shown { shade: ShadeKind::Face, ..framed("many faces", builtin("teapot"), Scheme::Specialised) },
         Shown { shade: ShadeKind::Checker, ..framed("periodic knots", builtin("periodic"), Scheme::General) },
         Shown {
@@ -54,7 +55,7 @@ fn triangles() -> Vec<Shown> {
             ..orthographic(framed("degree 1", builtin("bilinear-quartic"), Scheme::General))
         },
         Shown { shade: ShadeKind::Gaussian, ..framed("weights along u alone", cylinder(), Scheme::General) },
-        Shown { shade: ShadeKind::Phong, ..framed("poles", builtin("sphere"), Scheme::Specialised) },
+        Shown { shade: ShadeKind::Phong, ..framed("poles", reversed(builtin("sphere")), Scheme::Specialised) },
         steep(),
         edge_on_centres(false),
         edge_on_centres(true),
@@ -71,46 +72,6 @@ fn triangles() -> Vec<Shown> {
         framed("across a seam", builtin("window"), Scheme::Specialised),
         vertex_normals(ShadeKind::Normal),
         vertex_normals(ShadeKind::Gaussian),
-    ]
-}
-
-/// What shows where trim edges pass by: in the whole picture of a model, where the surface turns away, where the centres of
-/// pixels lie on edges, and so near that an edge is thousands of pixels long.
-fn edges() -> Vec<Shown> {
-    let recorded = |shown: Shown| Shown { plan: Plan { edges: true, ..shown.plan }, ..shown };
-    let of = |name, model: Model| recorded(framed(name, model, Scheme::General));
-    let whole = |name, model: &str| of(name, builtin(model));
-    let turning = |name, model: Model, eye: [f64; 3]| {
-        let shown = of(name, model);
-        let eye = shown.model.hull().center() + shown.model.hull().diagonal() * DVec3::from_array(eye);
-        let projection = Projection::Perspective { fov_deg: 40.0 };
-        let camera = Camera::look_at(eye, shown.model.hull().center(), DVec3::Z, projection).expect("legal");
-        Shown { camera, ..shown }
-    };
-    let near = |name, model: &str, [u, v]: [f64; 2], height| {
-        let shown = whole(name, model);
-        let at = shown.model.surfaces()[0].first_derivatives(u, v);
-        let normal = at.su.cross(at.sv).normalize();
-        let projection = Projection::Orthographic { height };
-        let camera = Camera::look_at(at.s + normal, at.s, DVec3::new(0.36, 0.48, 0.8), projection).expect("legal");
-        Shown { camera, ..shown }
-    };
-    let bent = joints::joints().pop().expect("the last is bent");
-    let through_centres = |name, shown| recorded(Shown { name, fills: false, ..shown });
-    // On the porthole's ellipse about (0.78, 0.5), a sixth of the way round.
-    let (sine, cosine) = FRAC_PI_3.sin_cos();
-    let porthole = [0.78 + 0.05 * cosine, 0.5 + 0.11 * sine];
-    vec![
-        whole("edges of islands", "islands"),
-        orthographic(whole("edges of a word", "text")),
-        whole("edges by a seam", "window"),
-        of("edges beside a whole face", joined(&builtin("cusp"), &cylinder())),
-        turning("edges where the surface turns away", builtin("window"), [0.9, 0.1, 0.1]),
-        turning("edges on waves of degrees 3 and 4", raised(builtin("islands")), [0.6, 0.2, 0.1]),
-        through_centres("edges through centres", bent),
-        through_centres("edges through centres, level and upright", joints::joints_along_parameters()),
-        near("edges near by", "window", porthole, 0.02),
-        near("an edge of thousands of pixels", "window", porthole, 0.001),
     ]
 }
 
@@ -216,7 +177,8 @@ fn square(mirrored: bool) -> Model {
 fn steep() -> Shown {
     let projection = Projection::Perspective { fov_deg: 70.0 };
     let camera = Camera::look_at(DVec3::new(0.0, -1.2, 0.35), DVec3::ZERO, DVec3::Z, projection).expect("legal");
-    Shown { camera, cells: Some(1), ..framed("steep perspective", square(false), Scheme::General) }
+    let shade = ShadeKind::Zebra;
+    Shown { camera, cells: Some(1), shade, ..framed("steep perspective", square(false), Scheme::General) }
 }
 
 /// The square's left and upper edges run a thousandth of a pixel inside a row and a column of pixel centres. Corners that

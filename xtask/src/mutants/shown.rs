@@ -2,7 +2,7 @@
 
 use crate::stage::Plan;
 use compare::Claims;
-use gbuffer::ShadeKind;
+use gbuffer::{ShadeKind, Shading};
 use pipeline::Scheme;
 use scene::{Camera, Model, Viewport};
 use techniques::Technique;
@@ -30,10 +30,18 @@ pub struct Shown {
     pub fills: bool,
 }
 
+/// Width of isophotes' bands, degrees: the least there is, so that every threshold of the program stands for some.
+const BAND_DEG: f64 = 2.5;
+
 /// Side of the pictures.
 pub const SIDE: usize = 40;
 
 impl Shown {
+    /// How what the fragment stage shades is coloured.
+    pub fn shading(&self) -> Shading {
+        Shading::new(self.shade).with_band_deg(BAND_DEG).expect("a legal width")
+    }
+
     /// Whether mutants of a technique's parts are shown on it. Those of the parts that all techniques have are changed with the
     /// first; they are drawn by a search, too, where faces meet, and not on all scenes that its own parts ask for.
     pub fn is_of(&self, technique: &'static dyn Technique) -> bool {

@@ -1,10 +1,11 @@
 //! The trial of a program on the scenes: drawn by the GPU, judged as any other rendering.
 
+use super::capped::capped;
 use super::shown::Shown;
 use crate::stage::{Plan, Stage};
 use anyhow::{Result, bail};
 use compare::{Claims, Verdict};
-use gbuffer::{GBuffer, Hit, Shading};
+use gbuffer::{GBuffer, Hit};
 use pipeline::Parameters;
 use pipeline::fragment::{Fragment, fragment};
 use pipeline::wgsl::{self, Variant};
@@ -84,8 +85,8 @@ impl<'s> Trial<'s> {
         Ok(Self { shown, stage, caster, reference, evaluations })
     }
 
-    /// Draws with the programs that `source` makes, and judges them. A GPU that refuses or fails is a catch too; the
-    /// device should not be used again then.
+    /// Draws with the programs that `source` makes, their loops capped, and judges them. A GPU that refuses or fails is a
+    /// catch too; the device should not be used again then.
     ///
     /// # Errors
     /// Where the answer cannot be judged.
@@ -94,7 +95,7 @@ impl<'s> Trial<'s> {
         let watched = |variant: Variant| {
             let text = source(variant);
             touched.set(touched.get() || text != wgsl::source(variant));
-            text
+            capped(&text)
         };
         let overrides = gpu::Overrides { source: Some(&watched), ..Default::default() };
         let caught = self.judged(device, overrides)?;
@@ -108,7 +109,7 @@ impl<'s> Trial<'s> {
     /// The picture's G-buffer first, and only then, with a program of its own, what the fragment stage shades.
     fn judged(&self, device: &gpu::Device, overrides: gpu::Overrides) -> Result<Option<Catch>> {
         let Stage { scene, prepared, views, camera, viewport, .. } = &self.stage;
-        let shading = Shading::new(self.shown.shade);
+        let shading = self.shown.shading();
         let uniform = shading.uniform(camera, self.shown.model.hull().diagonal());
         let vertex_normals = self.shown.vertex_normals;
         let options = gpu::RendererOptions { curvature: !vertex_normals, vertex_normals, overrides };

@@ -37,10 +37,12 @@ impl Limits {
     /// How often the time of the sources as they are a mutant has: others are at work beside it.
     const TIMES: u32 = 4;
 
-    /// Of a mutant, where the sources as they are took this long for their slowest scene.
-    fn after(slowest: Self) -> Self {
+    /// Of a mutant, where the sources as they are took this long for their slowest scene, and so many workers share the GPU
+    /// where one had it then. One that waits for a GPU may compute as it waits, so that processor time counts as often.
+    fn after(slowest: Self, jobs: u32) -> Self {
         let Self { cpu, wall } = Self::LEAST;
-        Self { cpu: cpu.max(Self::TIMES * slowest.cpu), wall: wall.max(Self::TIMES * slowest.wall) }
+        let longest = |least: Duration, taken: Duration| jobs * least.max(Self::TIMES * taken);
+        Self { cpu: longest(cpu, slowest.cpu), wall: longest(wall, slowest.wall) }
     }
 }
 
@@ -53,6 +55,19 @@ const TICKS: u64 = 100;
 /// What Mesa's software GPU is told: not to keep thousands of programs on disk, and, as each is drawn once, not to
 /// spend time on making it fast (a quarter of the time, measured on llvmpipe 25.0).
 const MESA: [(&str, &str); 2] = [("MESA_SHADER_CACHE_DISABLE", "true"), ("GALLIVM_PERF", "nopt")];
+
+/// How worker processes are started.
+#[derive(Debug, Clone)]
+pub struct Setting {
+    /// Part of the GPU adapter's name.
+    pub adapter: Option<String>,
+    /// Only scenes of these names, where there are any.
+    pub scenes: Vec<String>,
+    /// How many work at once.
+    pub jobs: u16,
+    /// Threads that each computes with.
+    pub threads: usize,
+}
 
 /// What a worker is asked.
 #[derive(Debug, Serialize, Deserialize)]
@@ -85,13 +100,14 @@ pub enum Outcome {
     Survived(usize),
 }
 
-/// Answers jobs from standard input until it ends.
+/// Answers jobs from standard input until it ends, on the scenes of these names, or on all where there are none.
 ///
 /// # Errors
 /// Where there is no adapter or a job cannot be read.
-pub fn serve(adapter: Option<&str>) -> Result<()> {
+pub fn serve(adapter: Option<&str>, names: &[String]) -> Result<()> {
     let device = gpu::Device::open(adapter)?;
-    let shown: Vec<Shown> = techniques::ALL.iter().copied().flat_map(scenes).collect();
+    let is_chosen = |shown: &Shown| names.is_empty() || names.iter().any(|name| name == shown.name);
+    let shown: Vec<Shown> = techniques::ALL.iter().copied().flat_map(scenes).filter(is_chosen).collect();
     let mut trials: Vec<Option<Trial>> = shown.iter().map(|_| None).collect();
     let say = |word: Word| -> Result<()> {
         let mut out = std::io::stdout().lock();
@@ -141,6 +157,7 @@ fn answer<'s>(
         match trial.run(device, &source)? {
             Shot::Caught(catch) => return Ok(Outcome::Caught(catch)),
             Shot::Agrees => agreed += 1,
+            Shot::Untouched if matches!(job, Job::Sound(_)) => agreed += 1,
             Shot::Untouched => {}
         }
     }
@@ -156,44 +173,53 @@ struct Running {
 
 /// The parent's side: starts workers as they are needed.
 pub struct Worker {
-    adapter: Option<String>,
+    setting: Setting,
     limits: Limits,
     running: Option<Running>,
 }
 
 impl Worker {
-    /// A worker that has drawn the sources as they are on every scene of a technique's mutants, and found that they agree. Its time is the measure
-    /// of the mutants'.
+    /// A worker that has drawn the sources as they are on every scene of a technique's mutants, and found that they agree.
+    /// Its time is the measure of the mutants'.
     ///
     /// # Errors
     /// Where it cannot be started or cannot judge, or the sources do not agree.
-    pub fn of_sound_sources(adapter: Option<&str>, technique: &dyn Technique) -> Result<Self> {
-        let mut worker = Self { adapter: adapter.map(str::to_owned), limits: Limits::SOUND, running: None };
+    pub fn of_sound_sources(setting: Setting, technique: &dyn Technique) -> Result<Self> {
+        let mut worker = Self { setting, limits: Limits::SOUND, running: None };
         let mut slowest = Limits { cpu: Duration::ZERO, wall: Duration::ZERO };
-        if let Outcome::Caught(catch) = worker.drawn(&Job::Sound(technique.name().to_owned()), &mut slowest)? {
-            let Catch { scene, cause, detail } = catch;
-            bail!("the sources as they are do not agree on {scene}: {cause}: {detail}");
+        match worker.drawn(&Job::Sound(technique.name().to_owned()), &mut slowest)? {
+            Outcome::Caught(Catch { scene, cause, detail }) => {
+                bail!("the sources as they are do not agree on {scene}: {cause}: {detail}")
+            }
+            Outcome::Survived(0) => bail!("no scene of technique {} is called so", technique.name()),
+            Outcome::Survived(_) => {}
         }
-        worker.limits = Limits::after(slowest);
+        worker.limits = Limits::after(slowest, worker.setting.jobs.into());
         Ok(worker)
     }
 
     /// One more like this, not started yet.
     pub fn another(&self) -> Self {
-        Self { adapter: self.adapter.clone(), limits: self.limits, running: None }
+        Self { setting: self.setting.clone(), limits: self.limits, running: None }
     }
 
-    /// What becomes of a mutant.
+    /// What becomes of a mutant. A process that cannot judge it may have lost its device to an earlier one: another is asked
+    /// before that is an error.
     ///
     /// # Errors
     /// Where a worker cannot be started or cannot judge.
     pub fn outcome(&mut self, mutant: &Mutant) -> Result<Outcome> {
-        self.drawn(&Job::Mutant(mutant.clone()), &mut Limits { cpu: Duration::ZERO, wall: Duration::ZERO })
+        let job = Job::Mutant(mutant.clone());
+        let untimed = || Limits { cpu: Duration::ZERO, wall: Duration::ZERO };
+        self.drawn(&job, &mut untimed()).or_else(|_| {
+            self.running = None;
+            self.drawn(&job, &mut untimed())
+        })
     }
 
     fn drawn(&mut self, job: &Job, slowest: &mut Limits) -> Result<Outcome> {
         if self.running.is_none() {
-            self.running = Some(Running::start(self.adapter.as_deref())?);
+            self.running = Some(Running::start(&self.setting)?);
         }
         let running = self.running.as_mut().expect("just started");
         let asked = running.ask(job);
@@ -222,13 +248,14 @@ impl Worker {
 }
 
 impl Running {
-    fn start(adapter: Option<&str>) -> Result<Self> {
+    fn start(Setting { adapter, scenes, threads, .. }: &Setting) -> Result<Self> {
         let program = std::env::current_exe().context("this program's own file")?;
         let mut command = Command::new(program);
-        command.args(["mutants", "--worker"]).envs(MESA).stdin(Stdio::piped()).stdout(Stdio::piped());
-        if let Some(name) = adapter {
-            command.args(["--adapter", name]);
-        }
+        command.args(["mutants", "--worker"]).envs(MESA).env("RAYON_NUM_THREADS", threads.to_string());
+        command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        let named = |flag: &'static str, name| [flag.to_owned(), String::clone(name)];
+        command.args(adapter.iter().flat_map(|name| named("--adapter", name)));
+        command.args(scenes.iter().flat_map(|name| named("--scene", name)));
         let mut child = command.spawn().context("a worker cannot be started")?;
         let input = child.stdin.take().expect("piped");
         let output = child.stdout.take().expect("piped");

@@ -21,7 +21,7 @@ const DISTANCES: [f64; 7] = [0.0, 0.1, 0.3, 0.45, 0.7, 1.0, 2.5];
 /// By how much each ring of control points is turned against the one within it, radians.
 const TURN: f64 = 0.09;
 
-/// One face and many, with and without loops, in few cells and in many.
+/// One face and many, with and without loops, in few cells and in many; and a corner, near by.
 pub(super) fn discs() -> Vec<Shown> {
     let seen = |name, model: Model, chord_px| {
         let camera = Camera::look_at(
@@ -39,7 +39,17 @@ pub(super) fn discs() -> Vec<Shown> {
         seen("a disc of many faces", many_faces(false), 1.0),
         seen("a disc of faces with skirts", many_faces(true), 1.0),
         seen("a disc in many cells", one_face(), 1.0 / 64.0),
+        at_a_corner(seen("a corner of four faces", many_faces(false), 1.0)),
     ]
+}
+
+/// A view of the place where four patches meet, so near that a pixel is four times what f32 rounds there: corners that are not
+/// evaluated alike leave gaps.
+fn at_a_corner(shown: Shown) -> Shown {
+    let corner = control(2, 2);
+    let projection = Projection::Orthographic { height: 1e-5 };
+    let camera = Camera::look_at(corner + DVec3::Z, corner, DVec3::Y, projection).expect("legal");
+    Shown { camera, cells: Some(1), ..shown }
 }
 
 /// A control point: which around, which outward.

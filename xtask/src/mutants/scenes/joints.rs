@@ -13,7 +13,7 @@ use nurbs::{KnotVector, Surface};
 use pipeline::Scheme;
 use scene::{Camera, Face, Loop, Model, Projection, Trim};
 
-/// How far the outer strips go on beyond the outer joints; the camera sees less.
+/// How far the outer strips go on beyond the outer joints where the surface is not seen edge-on; the camera sees less.
 const MARGIN: f64 = 3.0;
 
 /// The angles from a joint to the longer direction of the parameters beside it, and to the shorter one, degrees.
@@ -25,8 +25,20 @@ const SLANT: [f64; 2] = [4.0, 180.0];
 /// The same where the joint runs along the parameters: upright in one strip, level in the next.
 const ALONG: [f64; 2] = [0.0, 90.0];
 
-/// How far the parameters of a strip go on beyond its outline on each side, as a share of its size, where joints are no borders.
+/// How far the parameters of a strip go on beyond its outline on each side, as a share of its size, where joints along them
+/// are no borders.
 const BEYOND: f64 = 0.0625;
+
+/// The same where f32 tells parameters apart by about a thousandth of a pixel: less than a face covers beyond its border, and
+/// enough that half of the centres on a joint lie beyond it as f32 sees them.
+const FAR_BEYOND: f64 = 200.0;
+
+/// Sine of the angle to the surface of a view that sees it edge-on, where a face covers a third of what it else does beyond
+/// its border.
+const EDGE_ON: f64 = 1.0 / 48.0;
+
+/// The same of a view that sees next to nothing of it.
+const NEARLY_GONE: f64 = 1.0 / 1024.0;
 
 /// What corners of an outline are rounded to, of the parameters: far less than f32 tells apart.
 const ROUNDED: f64 = 1.0 / (1u64 << 40) as f64;
@@ -56,8 +68,12 @@ struct Strips {
     steps: i32,
     /// Whether the joints are borders of the parameters, with gaps between them.
     are_borders: bool,
-    /// u and v are exchanged in every second strip, from this one on.
-    exchanged: usize,
+    /// Whether u and v are exchanged in the first strip and every second one from there, and in the others.
+    exchanged: [bool; 2],
+    /// How far the outer strips go on.
+    margin: f64,
+    /// How far the parameters go on beyond an outline on each side, as a share of its size.
+    beyond: f64,
     /// Where the joints begin: pixels, right and down, outside of the picture. Later ones lie to the left of earlier ones,
     /// as one looks along them.
     starts: [[i32; 2]; 3],
@@ -78,7 +94,7 @@ pub(super) fn joints() -> Vec<Shown> {
             angles: SLANT,
             half_gap_px: HALF_GAP_PX,
             are_borders: true,
-            exchanged: 0,
+            exchanged: [true, false],
             starts: down,
             ..rightward
         },
@@ -91,9 +107,37 @@ pub(super) fn joints() -> Vec<Shown> {
 
 /// Joints that run along the parameters, upright on one side and level on the other.
 pub(super) fn joints_along_parameters() -> Shown {
-    let (camera, half_gap_px) = (aslant(), -OVERLAP_PX);
     let name = "joints along the parameters";
-    shown(Strips { name, camera, angles: ALONG, half_gap_px, exchanged: 0, ..rightward() })
+    shown(Strips { name, camera: aslant(), exchanged: [true, false], ..along(BEYOND) })
+}
+
+/// What shows how far a face covers centres beyond its border: joints along rows of centres that f32 sees on either side, all
+/// level or all upright; joints at a slant that are seen edge-on; and gaps about centres that are a little too wide for that.
+pub(super) fn close_joints() -> Vec<Shown> {
+    let edge_on = |sine: f64, half_gap_px: f64| {
+        // So far off that all of the surface that fills the picture is before the eye.
+        let eye = 4.0 / sine * DVec3::new(0.0, -(1.0 - sine * sine).sqrt(), sine);
+        let camera = from(eye, Projection::Orthographic { height: 4.0 });
+        // Across the joints a pixel is that much longer there.
+        let starts = rightward().starts.map(|[x, y]| [x - 40 * 2, y - 40]);
+        let steps = rightward().steps + 2 * 40;
+        Strips { camera, margin: MARGIN / sine, half_gap_px: half_gap_px / sine, starts, steps, ..rightward() }
+    };
+    // There one parameter is all across and the other all along the picture.
+    let along_rows = Strips { step: [1, 0], steps: 56, ..along(FAR_BEYOND) };
+    let strips = [
+        Strips { name: "level joints", exchanged: [false; 2], ..along_rows },
+        Strips { name: "upright joints", exchanged: [true; 2], ..along_rows },
+        Strips { name: "joints seen edge-on", beyond: FAR_BEYOND * EDGE_ON, ..edge_on(EDGE_ON, -OVERLAP_PX) },
+        Strips { name: "gaps seen edge-on", ..edge_on(NEARLY_GONE, 0.125) },
+        Strips { name: "narrow gaps", half_gap_px: 1.0 / 24.0, exchanged: [true; 2], ..rightward() },
+    ];
+    strips.into_iter().map(shown).collect()
+}
+
+/// Joints along the parameters, which go on `beyond`, seen from above.
+fn along(beyond: f64) -> Strips {
+    Strips { angles: ALONG, half_gap_px: -OVERLAP_PX, beyond, ..rightward() }
 }
 
 /// Seen from above, from one side of the picture to the other.
@@ -107,7 +151,9 @@ fn rightward() -> Strips {
         step: [2, 1],
         steps: 28,
         are_borders: false,
-        exchanged: 1,
+        exchanged: [false, true],
+        margin: MARGIN,
+        beyond: 0.0,
         starts: [[-8, 30], [-8, 17], [-8, 4]],
     }
 }
@@ -123,7 +169,7 @@ fn from(eye: DVec3, projection: Projection) -> Camera {
 fn shown(strips: Strips) -> Shown {
     Shown {
         camera: strips.camera,
-        fills: !strips.are_borders,
+        fills: !strips.are_borders && strips.half_gap_px <= 0.0,
         ..framed(strips.name, model(&strips), Scheme::Specialised)
     }
 }
@@ -133,9 +179,9 @@ fn model(strips: &Strips) -> Model {
     let left = (joints[0][strips.steps as usize] - joints[0][0]).normalize().perp();
     let beside = |joint: &[DVec2], by: f64| joint.iter().map(|p| p + by * left).collect::<Vec<_>>();
     let [first, .., last] = &joints;
-    let mut borders = vec![beside(first, -MARGIN)];
+    let mut borders = vec![beside(first, -strips.margin)];
     borders.extend_from_slice(&joints);
-    borders.push(beside(last, MARGIN));
+    borders.push(beside(last, strips.margin));
     let gap = strips.half_gap_px / strips.camera.pixels_per_unit(viewport(), 1.0);
     let cut = |(index, pair): (usize, &[Vec<DVec2>])| {
         // A joint along the parameters is one line, which rounding must not break.
@@ -175,8 +221,9 @@ fn strip(index: usize, outline: &[DVec2], strips: &Strips) -> (Surface, Face) {
         |pick: fn(DVec2, DVec2) -> DVec2| outline.iter().map(|&p| coordinates(p)).reduce(pick).expect("corners");
     let (low, high) = (box_of(DVec2::min), box_of(DVec2::max));
     let is_along = strips.angles == ALONG;
-    let beyond = if is_along { BEYOND * (high - low) } else { DVec2::ZERO };
-    let (low, size) = (low - beyond, high - low + 2.0 * beyond);
+    // Three times as far before the outline as behind it: in the middle, and where a span begins, f32 rounds less.
+    let beyond = strips.beyond * (high - low);
+    let (low, size) = (low - 1.5 * beyond, high - low + 2.0 * beyond);
     let origin = low.x * long + low.y * short;
     let (mut u, mut v) = (size.x * long, size.y * short);
     let mut corners: Vec<DVec2> = outline.iter().map(|&p| (coordinates(p) - low) / size).collect();
@@ -187,7 +234,7 @@ fn strip(index: usize, outline: &[DVec2], strips: &Strips) -> (Surface, Face) {
     if strips.are_borders {
         corners = vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
     }
-    let is_exchanged = index % 2 == strips.exchanged;
+    let is_exchanged = strips.exchanged[index % 2];
     if is_exchanged {
         (u, v) = (v, u);
         corners = corners.iter().rev().map(|p| p.yx()).collect();
