@@ -1,10 +1,11 @@
 //! STEP (ISO 10303-21, AP214): every face with its own surface and its trims as PCURVEs, bit for bit.
 //!
-//! [`edges`] finds what trims are one edge, [`space`] puts it in space, [`geometry`] spells surfaces and curves, [`product`]
-//! what stands around them. A closed model is a MANIFOLD_SOLID_BREP, any other a SHELL_BASED_SURFACE_MODEL.
+//! [`edges`] finds what trims are one edge, [`space`] puts it in space, [`geometry`] spells surfaces and curves, [`looks`] names
+//! and colours, [`product`] what stands around them. A closed model is a MANIFOLD_SOLID_BREP, any other a SHELL_BASED_SURFACE_MODEL.
 
 mod edges;
 mod geometry;
+mod looks;
 mod product;
 mod space;
 mod text;
@@ -45,7 +46,7 @@ impl Writer for Step {
         let topology = Topology::new(model, uncertainty)?;
         let mut text = Text::default();
         let product = product(&mut text, model.name(), document.unit.as_ref(), uncertainty);
-        shape(&mut text, model, &topology, &product, asked);
+        shape(&mut text, document, &topology, &product, asked);
         let mut notes = vec![];
         if document.unit.is_none() {
             notes.push("the model names no unit: millimetres are written, which STEP cannot leave out".to_owned());
@@ -87,7 +88,8 @@ fn uncertainty(model: &Model) -> f64 {
     gaps.fold(USUAL_SHARE * size, |most, gap| most.max(2.0 * gap))
 }
 
-fn shape(text: &mut Text, model: &Model, topology: &Topology, product: &Product, asked: Asked) {
+fn shape(text: &mut Text, document: &Document, topology: &Topology, product: &Product, asked: Asked) {
+    let Document { model, attributes, .. } = document;
     let surfaces: Vec<u64> =
         (0..model.faces().len()).map(|index| geometry::surface(text, model.surface(FaceId(index as u32)))).collect();
     let vertices: Vec<u64> = topology
@@ -106,9 +108,13 @@ fn shape(text: &mut Text, model: &Model, topology: &Topology, product: &Product,
         let bounds: Vec<u64> =
             part.bounds.iter().map(|bound| face_bound(text, bound, topology, &edges, is_reversed)).collect();
         let (surface, sense) = (surfaces[part.face], flag(!is_reversed));
-        faces.push(text.add(&format!("ADVANCED_FACE('',{},#{surface},{sense})", references(&bounds))));
+        let label = looks::label(&attributes[part.face]);
+        faces.push(text.add(&format!("ADVANCED_FACE({label},{},#{surface},{sense})", references(&bounds))));
         (asked.progress)(part.face + 1);
     }
+    let parts = topology.parts.iter().zip(&faces);
+    let coloured = parts.filter_map(|(part, face)| Some((*face, attributes[part.face].colour?)));
+    looks::paint(text, coloured, product.space);
     let shells = topology.shells(model);
     let is_solid = shells.iter().all(|(_, is_closed)| *is_closed);
     let shells: Vec<u64> = shells

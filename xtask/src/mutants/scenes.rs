@@ -3,15 +3,16 @@
 mod disc;
 mod edges;
 mod joints;
+mod made;
 
 use super::shown::{SIDE, Shown, framed};
 use compare::Claims;
 use gbuffer::ShadeKind;
 use glam::DVec3;
-use nurbs::{Direction, KnotVector, Surface};
+use made::{builtin, cylinder, joined, orthographic, reversed, transposed};
+use nurbs::{KnotVector, Surface};
 use pipeline::Scheme;
-use scene::{Camera, Face, Model, Projection, Viewport};
-use std::f64::consts::FRAC_1_SQRT_2;
+use scene::{Camera, Model, Projection, Viewport};
 use techniques::Technique;
 
 /// The part that techniques of grids have.
@@ -103,61 +104,6 @@ fn hulls() -> Vec<Shown> {
         large(beside("large hulls", "rational", [0.0, -0.1, 0.6], 20.0), 96),
         framed("degrees 5 and 2", builtin("quintic-quadratic"), Scheme::General),
     ]
-}
-
-fn builtin(name: &str) -> Model {
-    models::builtin(name).expect("built in")
-}
-
-/// The same view, without perspective.
-fn orthographic(shown: Shown) -> Shown {
-    let hull = shown.model.hull();
-    let projection = Projection::Orthographic { height: 0.8 * hull.diagonal() };
-    let camera = Camera::look_at(shown.camera.eye(), hull.center(), DVec3::Z, projection).expect("legal");
-    Shown { camera, ..shown }
-}
-
-/// The same surfaces with u and v exchanged.
-fn transposed(model: &Model) -> Model {
-    let surfaces = model.surfaces().iter().map(|surface| {
-        let [rows, columns] = surface.control_counts();
-        let order: Vec<usize> = (0..columns).flat_map(|j| (0..rows).map(move |i| i * columns + j)).collect();
-        let points = order.iter().map(|&k| surface.points()[k]).collect();
-        let weights = surface.weights().map(|weights| order.iter().map(|&k| weights[k]).collect());
-        let [ku, kv] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
-        Surface::new(kv, ku, points, weights).expect("as legal as before")
-    });
-    Model::new(model.name(), surfaces.collect(), model.faces().to_vec()).expect("as legal as before")
-}
-
-/// A quarter of a cylinder: the weights' derivative in v is exactly 0.
-fn cylinder() -> Model {
-    let knots = |degree, knots: &[f64]| KnotVector::new(degree, knots.to_vec()).expect("legal");
-    let arc = [(DVec3::X, 1.0), (DVec3::X + DVec3::Y, FRAC_1_SQRT_2), (DVec3::Y, 1.0)];
-    let points = arc.iter().flat_map(|(p, _)| [*p, *p + DVec3::Z]).collect();
-    let weights = arc.iter().flat_map(|(_, w)| [*w, *w]).collect();
-    let (u, v) = (knots(2, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]), knots(1, &[0.0, 0.0, 1.0, 1.0]));
-    let surface = Surface::new(u, v, points, Some(weights)).expect("legal");
-    Model::of_surfaces("cylinder", vec![surface]).expect("one face")
-}
-
-/// The same model, its surfaces of a higher degree along v.
-fn raised(model: Model) -> Model {
-    let surfaces = model.surfaces().iter().map(|surface| surface.elevated(Direction::V).expect("a low degree"));
-    Model::new(model.name(), surfaces.collect(), model.faces().to_vec()).expect("as legal as before")
-}
-
-/// The faces of both.
-fn joined(a: &Model, b: &Model) -> Model {
-    let moved = b.faces().iter().map(|face| Face { surface: face.surface + a.surfaces().len(), ..face.clone() });
-    let faces = a.faces().iter().cloned().chain(moved).collect();
-    Model::new(a.name(), [a.surfaces(), b.surfaces()].concat(), faces).expect("as legal as before")
-}
-
-/// The same surfaces, seen from their other side.
-fn reversed(model: Model) -> Model {
-    let faces = model.faces().iter().map(|face| Face { reversed: !face.reversed, ..face.clone() }).collect();
-    Model::new(model.name(), model.surfaces().to_vec(), faces).expect("as legal as before")
 }
 
 /// A flat bilinear square over [−1, 1]² with u along −x and v along y, so that u = 1 on its left edge in the picture and

@@ -88,7 +88,7 @@ impl<'m> Stage<'m> {
         if let Some(kept) = prepared.built_px().filter(|kept| *kept > plan.chord_px) {
             let (asked, triangles) = (plan.chord_px, prepared.triangles());
             terminal::note(format_args!(
-                "note: a chord error of {asked} px takes more than it may from here; {triangles} triangles keep to {kept} px"
+                "note: a chord error of {asked} px takes more than it may from here; {triangles} triangles keep to {kept:.3} px"
             ));
         }
         let views = scene.views(model, &camera, viewport);

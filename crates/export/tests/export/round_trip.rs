@@ -63,6 +63,21 @@ fn surfaces_come_back_bit_for_bit() {
 }
 
 #[test]
+fn names_and_colours_come_back() {
+    for name in ["step/attributes.step", "iges/looks.igs", "3dm/colours-8.3dm"] {
+        let document = document(name);
+        let again = read_again(&document);
+        assert!(document.attributes.iter().any(|said| said.colour.is_some()), "{name}");
+        assert_eq!(again.attributes.len(), document.attributes.len(), "{name}");
+        for (again, said) in again.attributes.iter().zip(&document.attributes) {
+            assert_eq!(again.colour, said.colour, "{name}");
+            // What has no name is called by that of the whole.
+            assert!(said.name.is_none() || again.name == said.name, "{name}: {said:?}, {again:?}");
+        }
+    }
+}
+
+#[test]
 fn a_surface_with_one_bit_changed_is_not_the_same() {
     let model = models::builtin("teapot").expect("built in");
     let surface = &model.surfaces()[7];

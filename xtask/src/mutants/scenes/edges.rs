@@ -1,7 +1,8 @@
 //! Models whose trim edges are recorded: in the whole picture of a model, where the surface turns away, where the centres of
 //! pixels lie on edges, so near that an edge is thousands of pixels long, where spans are unlike, and behind the eye.
 
-use super::{builtin, cylinder, joined, joints, orthographic, raised};
+use super::joints;
+use super::made::{builtin, cylinder, joined, orthographic, raised};
 use crate::mutants::shown::{Shown, framed};
 use crate::stage::Plan;
 use glam::{DVec2, DVec3, dvec2};
