@@ -43,6 +43,8 @@ pub struct Trial<'s> {
     reference: GBuffer,
     /// How often technique `exact`, unchanged, evaluates the surface for each pixel on this device.
     evaluations: Vec<u32>,
+    /// For how many pixels it has no answer then.
+    undecided: usize,
 }
 
 impl<'s> Trial<'s> {
@@ -74,15 +76,16 @@ impl<'s> Trial<'s> {
         if shown.fills && reference.covered() < shown.viewport.pixels() {
             bail!("{}: the model does not fill the picture", shown.name);
         }
-        let evaluations = match shown.plan.technique.claims() {
-            Claims::Chord => vec![],
+        let (evaluations, undecided) = match shown.plan.technique.claims() {
+            Claims::Chord => (vec![], 0),
             Claims::OnRay => {
                 let options = gpu::RendererOptions { curvature: true, ..Default::default() };
                 let mut renderer = gpu::Renderer::new(device, &stage.scene, &*stage.prepared, options)?;
-                renderer.evaluations(&stage.views, shown.viewport)?
+                let buffer = renderer.gbuffer(&stage.views, &stage.camera, shown.viewport, stage.meta("gpu"))?;
+                (renderer.evaluations(&stage.views, shown.viewport)?, buffer.undecided())
             }
         };
-        Ok(Self { shown, stage, caster, reference, evaluations })
+        Ok(Self { shown, stage, caster, reference, evaluations, undecided })
     }
 
     /// Draws with the programs that `source` makes, their loops capped, and judges them. A GPU that refuses or fails is a
@@ -145,6 +148,10 @@ impl<'s> Trial<'s> {
                 return Ok(Some(self.caught("crack", format!("{cracks} pixels show nothing"))));
             }
             if self.shown.plan.technique.claims() == Claims::OnRay {
+                let (is, expected) = (gbuffer.undecided(), self.undecided);
+                if EFFORT_PIXELS < is.abs_diff(expected) {
+                    return Ok(Some(self.caught("undecided", format!("{is} pixels are undecided, not {expected}"))));
+                }
                 let found = match renderer.evaluations(views, *viewport) {
                     Ok(found) => found,
                     Err(error) => return refused(error),
