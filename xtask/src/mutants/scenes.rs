@@ -86,6 +86,12 @@ fn hulls() -> Vec<Shown> {
         let camera = Camera::look_at(eye, center, DVec3::Z, projection).expect("legal");
         Shown { camera, ..framed(name, model, Scheme::Specialised) }
     };
+    // Programs of two degrees, each with pieces of its own, in pictures that are no squares.
+    let two_degrees = |name, columns, rows| {
+        let model = joined(&builtin("teapot"), &builtin("quintic-quadratic"));
+        let viewport = Viewport::new(columns, rows).expect("a legal size");
+        Shown { viewport, shade: ShadeKind::Face, ..framed(name, model, Scheme::Specialised) }
+    };
     let large = |shown: Shown, side| Shown { viewport: Viewport::new(side, side).expect("a legal size"), ..shown };
     vec![
         Shown { shade: ShadeKind::Zebra, ..framed("weights and knots", builtin("rational"), Scheme::Specialised) },
@@ -103,6 +109,8 @@ fn hulls() -> Vec<Shown> {
         large(beside("close to two folds", "surface", [0.3, 0.3, 0.05], 20.0), 96),
         large(beside("large hulls", "rational", [0.0, -0.1, 0.6], 20.0), 96),
         framed("degrees 5 and 2", builtin("quintic-quadratic"), Scheme::General),
+        two_degrees("two degrees, wide", 96, 40),
+        two_degrees("two degrees, tall", 40, 96),
     ]
 }
 
