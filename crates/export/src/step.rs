@@ -1,7 +1,7 @@
 //! STEP (ISO 10303-21, AP214): every face with its own surface and its trims as PCURVEs, bit for bit.
 //!
 //! [`edges`] finds what trims are one edge, [`space`] puts it in space, [`geometry`] spells surfaces and curves, [`looks`] names
-//! and colours, [`product`] what stands around them. A closed model is a MANIFOLD_SOLID_BREP, any other a SHELL_BASED_SURFACE_MODEL.
+//! and colours, [`mod@product`] what stands around them. A closed model is a MANIFOLD_SOLID_BREP, any other a SHELL_BASED_SURFACE_MODEL.
 
 mod edges;
 mod geometry;

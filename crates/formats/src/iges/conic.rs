@@ -69,7 +69,7 @@ pub(super) fn conic(values: &[f64]) -> Option<Piece> {
     })
 }
 
-/// part y² + linear[0] x + linear[1] y + f = 0 along two axes.
+/// part y² + linear\[0\] x + linear\[1\] y + f = 0 along two axes.
 fn parabola(
     [along, across]: [DVec2; 2],
     part: f64,
