@@ -94,6 +94,20 @@ impl BezierCurve {
         project(self.homogeneous(t)[0])
     }
 
+    /// The parameter at which coordinate `axis` of a monotone curve passes `value`, by bisection to the last bit; an end where
+    /// it does not.
+    pub fn crossing(&self, axis: usize, value: f64) -> f64 {
+        let rises = self.start()[axis] < self.end()[axis];
+        let (mut low, mut high) = (0.0, 1.0);
+        loop {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                return middle;
+            }
+            if (self.point(middle)[axis] < value) == rises { low = middle } else { high = middle }
+        }
+    }
+
     /// C(t) and C'(t).
     pub fn first_derivative(&self, t: f64) -> [DVec2; 2] {
         let [a, a_t] = self.homogeneous(t);

@@ -36,6 +36,33 @@ impl DerivativeBounds {
     pub fn chord(&self, du: f64, dv: f64) -> f64 {
         (self.uu * du * du + 2.0 * self.uv * du * dv + self.vv * dv * dv) / 8.0
     }
+
+    /// The fewest cells of a rectangle of `width` × `height`, from `least` on, that bring the chord bound of each under `allowed`:
+    /// always the direction that gains more. Where more than `along` cells in one direction or `all` together would be needed, as
+    /// many as there may be. From eight cells on they grow by an eighth, so that the number of steps is bounded by the number of
+    /// bits of the count.
+    pub fn cells(
+        &self,
+        [width, height]: [f64; 2],
+        allowed: f64,
+        least: [usize; 2],
+        [along, all]: [usize; 2],
+    ) -> [usize; 2] {
+        let chord = |n: [usize; 2]| self.chord(width / n[0] as f64, height / n[1] as f64);
+        let more = |n: usize| (n + (n / 8).max(1)).min(along);
+        let mut n = least;
+        while allowed < chord(n) && n[0] * n[1] < all {
+            let grown = [[more(n[0]), n[1]], [n[0], more(n[1])]];
+            // A cell more in u adds n[1] cells, one in v n[0]: compare what each buys.
+            let gain = [0, 1].map(|k| (chord(n) - chord(grown[k])) / ((grown[k][k] - n[k]).max(1) * n[1 - k]) as f64);
+            let next = if gain[0] >= gain[1] { grown[0] } else { grown[1] };
+            if next == n {
+                break;
+            }
+            n = next;
+        }
+        n
+    }
 }
 
 /// A rational patch is bounded in this many parts along each parameter: the quotient rule multiplies bounds, and what

@@ -76,7 +76,8 @@ impl Plan {
             let own = &bounds.patches[k * bounds.spans[1].len() + l];
             let [i, j] = [k - meeting[0].start, l - meeting[1].start];
             let least = [counts[0][i], counts[1][j]];
-            [counts[0][i], counts[1][j]] = needed(own, [size(0, k), size(1, l)], allowed, least);
+            [counts[0][i], counts[1][j]] =
+                own.cells([size(0, k), size(1, l)], allowed, least, [GREATEST_CELLS, usize::MAX]);
         }
         let chord = each().map(|[k, l]| {
             let [i, j] = [k - meeting[0].start, l - meeting[1].start];
@@ -123,25 +124,6 @@ impl Plan {
         });
         Grid { lines, snap }
     }
-}
-
-/// The fewest cells, from `least` on, that bring the chord bound under `allowed`: always the direction that gains more. From
-/// eight cells on they grow by an eighth, so that the number of steps is bounded by the number of bits of the count.
-fn needed(bounds: &DerivativeBounds, [width, height]: [f64; 2], allowed: f64, least: [usize; 2]) -> [usize; 2] {
-    let chord = |n: [usize; 2]| bounds.chord(width / n[0] as f64, height / n[1] as f64);
-    let more = |n: usize| (n + (n / 8).max(1)).min(GREATEST_CELLS);
-    let mut n = least;
-    while allowed < chord(n) {
-        let grown = [[more(n[0]), n[1]], [n[0], more(n[1])]];
-        // A cell more in u adds n[1] cells, one in v n[0]: compare what each buys.
-        let gain = [0, 1].map(|k| (chord(n) - chord(grown[k])) / ((grown[k][k] - n[k]).max(1) * n[1 - k]) as f64);
-        let next = if gain[0] >= gain[1] { grown[0] } else { grown[1] };
-        if next == n {
-            break;
-        }
-        n = next;
-    }
-    n
 }
 
 /// Lines of constant u and of constant v, ascending; at least two of each.

@@ -264,7 +264,7 @@ impl Side {
         let mut nodes = vec![];
         for axis in [0, 1] {
             for &line in grid.between(axis, start[axis], end[axis]) {
-                let s = crossing(&curve, axis, line);
+                let s = curve.crossing(axis, line);
                 let mut uv = grid.snapped(curve.point(s).clamp(start.min(end), start.max(end)));
                 uv[axis] = line;
                 nodes.push(Node { s, uv, point: None });
@@ -286,18 +286,5 @@ impl Side {
         nodes.push(Node { s: 1.0, uv: end, point: None });
         let bend = curve.second_derivative_bounds();
         Self { curve, kind, nodes, bend }
-    }
-}
-
-/// The parameter at which coordinate `axis` of a monotone curve passes `value`.
-fn crossing(curve: &BezierCurve, axis: usize, value: f64) -> f64 {
-    let rises = curve.start()[axis] < curve.end()[axis];
-    let (mut low, mut high) = (0.0, 1.0);
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return middle;
-        }
-        if (curve.point(middle)[axis] < value) == rises { low = middle } else { high = middle }
     }
 }

@@ -4,14 +4,11 @@
 //! interpolated by quintics at Lobatto's nodes, halved until they keep to the distance where it is measured between nodes.
 
 use glam::{DVec2, DVec3};
-use nurbs::{Curve, Direction, KnotVector, NurbsError, SpaceCurve, Surface, basis_derivatives};
+use nurbs::{
+    Curve, Direction, Halving, KnotVector, NurbsError, QUINTIC, Quintics, SpaceCurve, Surface, basis_derivatives,
+    quintics,
+};
 use scene::{Trim, closed};
-
-/// Degree of the interpolation.
-const DEGREE: usize = 5;
-
-/// ½ − ½ cos(k π / 5).
-const NODES: [f64; 6] = [0.0, 0.095491502812526, 0.345491502812526, 0.654508497187474, 0.904508497187474, 1.0];
 
 /// Halvings of a span of the trim before it is taken as it is.
 const HALVINGS: u32 = 14;
@@ -140,81 +137,17 @@ fn line(surface: &Surface, axis: usize, at: f64) -> Result<SpaceCurve, NurbsErro
 fn fitted(sheet: &Sheet, trim: &Trim, tolerance: f64) -> Result<InSpace, NurbsError> {
     let curve = Curve::new(trim.knots.clone(), &trim.points, trim.weights.as_deref())?;
     let at = |t: f64| sheet.point(curve.point(t));
+    let end = trim.knots.domain().1;
     let own = trim.knots.knots();
-    let spans = trim.knots.spans().map(|k| (own[k], own[k + 1], HALVINGS));
-    let mut waiting: Vec<(f64, f64, u32)> = spans.collect();
-    waiting.reverse();
-    let to_bezier = to_bezier();
-    let start = trim.knots.domain().0;
-    let (mut knots, mut points, mut error) = (vec![start; DEGREE + 1], vec![], 0.0f64);
-    while let Some((a, b, halvings)) = waiting.pop() {
-        let values = NODES.map(|x| at(if x == 1.0 { b } else { a + (b - a) * x }));
-        let about = values[0];
-        let control: [DVec3; 6] =
-            std::array::from_fn(|i| about + (0..=DEGREE).map(|j| (values[j] - about) * to_bezier[i][j]).sum::<DVec3>());
-        let off = |k: usize| {
-            let x = 0.5 * (NODES[k] + NODES[k + 1]);
-            bezier(&control, x).distance(at(a + (b - a) * x))
-        };
-        let worst = (0..DEGREE).map(off).fold(0.0, f64::max);
-        let middle = 0.5 * (a + b);
-        if tolerance < worst && 0 < halvings && a < middle && middle < b {
-            waiting.extend([(middle, b, halvings - 1), (a, middle, halvings - 1)]);
-            continue;
-        }
-        error = error.max(worst);
-        points.pop();
-        points.push(values[0]);
-        points.extend(&control[1..DEGREE]);
-        points.push(values[DEGREE]);
-        knots.extend([b; DEGREE]);
-    }
-    knots.extend(knots.last().copied());
-    Ok(InSpace { curve: SpaceCurve::new(KnotVector::new(DEGREE, knots)?, &points, None)?, error })
-}
-
-fn bezier(control: &[DVec3; 6], x: f64) -> DVec3 {
-    let mut d = *control;
-    for r in 1..=DEGREE {
-        for i in 0..=DEGREE - r {
-            d[i] = d[i].lerp(d[i + 1], x);
-        }
-    }
-    d[0]
-}
-
-/// The matrix from values at [`NODES`] to Bézier points: column j is Lagrange's polynomial of node j, by its blossom.
-fn to_bezier() -> [[f64; 6]; 6] {
-    // The coefficient of Lagrange's polynomial at Bézier point i: the mean of its roots' factors, i of them at 1 and the others at 0.
-    let coefficient = |i: usize, j: usize| {
-        let roots: Vec<f64> = (0..6).filter(|k| *k != j).map(|k| NODES[k]).collect();
-        let scale: f64 = roots.iter().map(|root| NODES[j] - root).product();
-        // All ways to take i of the five factors at 1: (1 − root), the others at 0: (−root).
-        let ways = (0u32..32).filter(|mask| mask.count_ones() as usize == i);
-        let (mut sum, mut count) = (0.0, 0.0);
-        for mask in ways {
-            let factor = |k: usize| if mask >> k & 1 == 1 { 1.0 - roots[k] } else { -roots[k] };
-            sum += (0..5).map(factor).product::<f64>();
-            count += 1.0;
-        }
-        sum / count / scale
-    };
-    std::array::from_fn(|i| std::array::from_fn(|j| coefficient(i, j)))
+    let breaks: Vec<f64> = trim.knots.spans().map(|k| own[k]).chain([end]).collect();
+    let halving = Halving { tolerance, depth: HALVINGS, parts: usize::MAX };
+    let Quintics { knots, points, error } = quintics(&breaks, at, DVec3::distance, halving);
+    Ok(InSpace { curve: SpaceCurve::new(KnotVector::new(QUINTIC, knots)?, &points, None)?, error })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_quintic_is_interpolated_by_itself() {
-        let control: [DVec3; 6] = std::array::from_fn(|k| DVec3::new(k as f64, (k * k % 7) as f64, (k % 3) as f64));
-        let values = NODES.map(|x| bezier(&control, x));
-        for (row, expected) in to_bezier().iter().zip(control) {
-            let found: DVec3 = row.iter().zip(values).map(|(m, v)| v * *m).sum();
-            assert!(found.distance(expected) < 1e-12, "{found} {expected}");
-        }
-    }
 
     /// The teapot's handle is bicubic: a slanted trim on it is no spline of low degree, one along a parameter is a cubic.
     #[test]

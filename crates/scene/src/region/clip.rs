@@ -55,7 +55,7 @@ fn clamped(frame: &Frame, curve: &BezierCurve) -> Vec<(BezierCurve, bool)> {
         for border in [frame.domain.min[axis], frame.domain.max[axis]] {
             let (a, b) = (start[axis] - border, end[axis] - border);
             if a * b < 0.0 {
-                cuts.push(crossing(curve, axis, border, a < 0.0));
+                cuts.push(curve.crossing(axis, border));
             }
         }
     }
@@ -74,18 +74,6 @@ fn clamped(frame: &Frame, curve: &BezierCurve) -> Vec<(BezierCurve, bool)> {
     }
     parts.push(frame.part(rest, joint, end));
     parts
-}
-
-/// The parameter at which coordinate `axis` of a monotone curve passes `value`.
-fn crossing(curve: &BezierCurve, axis: usize, value: f64, rises: bool) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return middle;
-        }
-        if (curve.point(middle)[axis] < value) == rises { low = middle } else { high = middle }
-    }
 }
 
 impl Frame<'_> {

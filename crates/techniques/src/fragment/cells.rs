@@ -64,7 +64,8 @@ impl Wanted<'_> {
             for (part, bounds) in bounds.iter().enumerate() {
                 let (i, j) = (part / columns, part % columns);
                 let least = [cells[0][k][i], cells[1][l][j]];
-                [cells[0][k][i], cells[1][l][j]] = cells_needed(bounds, size, chord_px * self.pixels[index], least);
+                [cells[0][k][i], cells[1][l][j]] =
+                    bounds.cells(size, chord_px * self.pixels[index], least, [GREATEST_CELLS, REFINED_TRIANGLES]);
             }
         }
         cells
@@ -73,25 +74,6 @@ impl Wanted<'_> {
 
 pub(super) fn total(counts: &[usize]) -> f64 {
     counts.iter().sum::<usize>() as f64
-}
-
-/// The fewest cells, from `least` on, that bring the chord bound under `allowed`: always the direction that gains more. From
-/// eight cells on they grow by an eighth, so that the number of steps is bounded by the number of bits of the count.
-fn cells_needed(bounds: &DerivativeBounds, [width, height]: [f64; 2], allowed: f64, least: [usize; 2]) -> [usize; 2] {
-    let chord = |n: [usize; 2]| bounds.chord(width / n[0] as f64, height / n[1] as f64);
-    let more = |n: usize| (n + (n / 8).max(1)).min(GREATEST_CELLS);
-    let mut n = least;
-    while chord(n) > allowed && n[0] * n[1] < REFINED_TRIANGLES {
-        let grown = [[more(n[0]), n[1]], [n[0], more(n[1])]];
-        // A cell more in u adds n[1] cells, one in v n[0]: compare what each buys.
-        let gain = [0, 1].map(|k| (chord(n) - chord(grown[k])) / ((grown[k][k] - n[k]).max(1) * n[1 - k]) as f64);
-        let next = if gain[0] >= gain[1] { grown[0] } else { grown[1] };
-        if next == n {
-            break;
-        }
-        n = next;
-    }
-    n
 }
 
 /// The chord of each Bézier piece of a face, from the bounds of its surface's derivatives and the cells that it is cut into, plus
