@@ -6,7 +6,7 @@ turned and moved), written as STEP with (u, v) curves (NAME_p.step) and without 
 (OUTDIR/solids.json). `formats` reads them: crates/formats/tests/step/solids.rs.
 Needs cadquery-ocp==7.9.3.1.1.
 """
-import argparse, json, math, os, random
+import argparse, itertools, json, math, os, random
 from OCP.gp import gp_Pnt, gp_Dir, gp_Ax1, gp_Ax2, gp_Trsf, gp_Vec
 from OCP.BRepPrimAPI import (BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakeCone, BRepPrimAPI_MakeSphere,
                              BRepPrimAPI_MakeTorus, BRepPrimAPI_MakeRevol, BRepPrimAPI_MakePrism)
@@ -91,12 +91,9 @@ def count(shape):
     return n
 
 
-def main():
-    ap = argparse.ArgumentParser(usage=__doc__); ap.add_argument('out'); ap.add_argument('--seed', type=int, default=1)
-    ap.add_argument('--count', type=int, default=40); a = ap.parse_args()
-    os.makedirs(a.out, exist_ok=True); r, rows, k = random.Random(a.seed), [], 0
-    while len(rows) < a.count:
-        k += 1
+def solids(r):
+    """valid solids with area and volume, one after the other"""
+    while True:
         try:
             shape = solid(r)
         except Exception:
@@ -105,13 +102,20 @@ def main():
             continue
         area, volume = GProp_GProps(), GProp_GProps()
         BRepGProp.SurfaceProperties_s(shape, area, 1e-11); BRepGProp.VolumeProperties_s(shape, volume, 1e-11)
-        if not 1e-3 < volume.Mass():
-            continue
+        if 1e-3 < volume.Mass():
+            yield shape, area.Mass(), volume.Mass()
+
+
+def main():
+    ap = argparse.ArgumentParser(usage=__doc__); ap.add_argument('out'); ap.add_argument('--seed', type=int, default=1)
+    ap.add_argument('--count', type=int, default=40); a = ap.parse_args()
+    os.makedirs(a.out, exist_ok=True); rows = []
+    for shape, area, volume in itertools.islice(solids(random.Random(a.seed)), a.count):
         name = f'solid_{a.seed}_{len(rows)}'
         for mode, suffix in ((1, 'p'), (0, 'n')):
             writer = STEPControl_Writer(); Interface_Static.SetIVal_s('write.surfacecurve.mode', mode)
             writer.Transfer(shape, STEPControl_AsIs); writer.Write(os.path.join(a.out, f'{name}_{suffix}.step'))
-        rows.append(dict(name=name, faces=count(shape), area=area.Mass(), volume=volume.Mass()))
+        rows.append(dict(name=name, faces=count(shape), area=area, volume=volume))
     json.dump(rows, open(os.path.join(a.out, 'solids.json'), 'w'), indent=1)
 
 

@@ -9,6 +9,7 @@
 //! 3. The rectangle of parameters that the loops need becomes an exact rational spline ([`rectangle`], [`patch`], [`arc`]).
 //! 4. Each path becomes a trim ([`fit`]): exactly where it is straight, or where plane or spline make it a spline, else
 //!    within a distance that is measured.
+//! 5. Faces that stand at several places are made once ([`once`]), and put in their places ([`gathered`]).
 
 pub(crate) mod arc;
 pub(crate) mod closed;
@@ -16,10 +17,12 @@ pub(crate) mod curve;
 pub(crate) mod face;
 pub(crate) mod fit;
 pub(crate) mod frame;
+pub(crate) mod gathered;
 pub(crate) mod inverse;
+pub(crate) mod once;
 pub(crate) mod patch;
 pub(crate) mod path;
 pub(crate) mod rectangle;
 pub(crate) mod shape;
 pub(crate) mod source;
-pub(crate) mod total;
+mod total;

@@ -25,11 +25,12 @@ mod value;
 
 use crate::brep::face::make;
 use crate::brep::frame::Motion;
+use crate::brep::gathered::Gathered;
+use crate::brep::once::Once;
 use crate::brep::source::Made;
-use crate::brep::total::Total;
 use crate::document::{Document, Note, NoteKind};
 use crate::error::{Cause, FormatError, shorten};
-use crate::format::{Format, Support, file_name};
+use crate::format::{Format, Support};
 use crate::place::Place;
 use assembly::Assembly;
 use cards::{Cards, NoCards};
@@ -37,7 +38,6 @@ use entities::Entities;
 use fault::{Fault, fault};
 use geometry::Geometry;
 use global::Global;
-use scene::Model;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use topology::Faces;
@@ -99,36 +99,22 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
     let geometry = Geometry { entities: &entities, tolerance: global.resolution, work: &work };
     let mut assembly = Assembly::new(&geometry);
-    let mut reader = Reader { faces: Faces::new(&geometry), made: BTreeMap::new() };
-    let mut uses: BTreeMap<u32, usize> = BTreeMap::new();
-    for placed in &assembly.placed {
-        *uses.entry(placed.number).or_default() += 1;
-    }
-    let (mut surfaces, mut faces, mut attributes, mut total) = (vec![], vec![], vec![], Total::default());
-    let mut edges: BTreeMap<(usize, i64), i64> = BTreeMap::new();
+    let mut reader = Faces::new(&geometry);
+    let mut made = Once::new(assembly.placed.iter().map(|placed| placed.number));
+    let mut gathered = Gathered::default();
     let mut faults = std::mem::take(&mut assembly.faults);
     let mut remarks: BTreeMap<u32, String> = BTreeMap::new();
     for placed in &assembly.placed {
-        let left = uses.get_mut(&placed.number).expect("each was counted");
-        *left -= 1;
-        match reader.face(placed.number, *left == 0, &entities) {
+        match made.get(placed.number, || face(&mut reader, placed.number, &entities)) {
             Ok(Own { made, motion, remark }) => {
-                total.add(u64::from(placed.number), &made.found);
                 remarks.extend(remark.map(|remark| (placed.number, remark)));
-                let (surface, mut face) = made.placed(&placed.motion.after(&motion), placed.reversed);
-                face.surface = surfaces.len();
-                for trim in face.loops.iter_mut().flat_map(|l| &mut l.trims) {
-                    let next = edges.len() as i64;
-                    trim.edge = trim.edge.map(|edge| *edges.entry((placed.instance, edge)).or_insert(next));
-                }
-                surfaces.push(surface);
-                attributes.push(looks::looks(&entities, placed));
-                faces.push((placed.number as usize, face));
+                let at = (&placed.motion.after(&motion), placed.reversed);
+                let attributes = looks::looks(&entities, placed);
+                gathered.add(u64::from(placed.number), made, at, placed.instance, attributes);
             }
             Err(fault) => faults.push(fault),
         }
     }
-    drop(reader);
     let place = |number: u32| place(&entities, number);
     let note = |kind: NoteKind, place: Place, text: String| Note { kind, place, text };
     let mut notes: Vec<Note> =
@@ -148,9 +134,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         notes.push(note(NoteKind::Healed, place(*first), text));
     }
     notes.extend(remarks.into_iter().map(|(face, text)| note(NoteKind::Approximated, place(face), text)));
-    let face_place = |face: u64| place(u32::try_from(face).unwrap_or(u32::MAX));
-    notes.extend(total.notes(face_place, global.unit.as_ref().map_or("model unit", |unit| &unit.name)));
-    if faces.is_empty() {
+    if gathered.is_empty() {
         let why = match (faults.first(), assembly.hidden.len()) {
             (Some(fault), _) => format!("no face can be drawn; the first: {}: {}", place(fault.number), fault.why),
             (None, 0) => "it shows no faces".to_owned(),
@@ -159,20 +143,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         let damage = notes.iter().find(|note| note.kind == NoteKind::Healed).map(|note| format!("; {note}"));
         return Err(FormatError::new(file, Place::File, Cause::Kind(why + &damage.unwrap_or_default())));
     }
-    let model = Model::of_sound_faces(file_name(file), surfaces, faces, vec![])
-        .map_err(|cause| FormatError::new(file, Place::File, Cause::Scene(cause)))?;
-    notes.extend(model.notes().iter().map(|note| {
-        let face = match note {
-            scene::Note::FaceLeftOut { face, .. }
-            | scene::Note::LoopDropped { face, .. }
-            | scene::Note::WideGap { face, .. } => Some(*face as u64),
-            _ => None,
-        };
-        Note::of_model(face.map_or(Place::File, face_place), note)
-    }));
-    // Each face has a surface of its own.
-    let attributes = model.faces().iter().map(|face| attributes[face.surface].clone()).collect();
-    Ok(Document { model, unit: global.unit, attributes, notes })
+    gathered.document(file, global.unit, notes, |face| place(u32::try_from(face).unwrap_or(u32::MAX)))
 }
 
 /// A directory entry as a place: its line, its number, its type.
@@ -193,35 +164,13 @@ struct Own {
     remark: Option<String>,
 }
 
-/// Makes faces, each once.
-struct Reader<'g, 'f, 'b> {
-    faces: Faces<'g, 'f, 'b>,
-    /// Those that stand at several places.
-    made: BTreeMap<u32, Result<Own, Fault>>,
-}
-
-impl Reader<'_, '_, '_> {
-    /// The face; `is_last` says that it is not asked for again.
-    fn face(&mut self, number: u32, is_last: bool, entities: &Entities) -> Result<Own, Fault> {
-        if let Some(own) = self.made.get(&number) {
-            let own = own.clone();
-            if is_last {
-                self.made.remove(&number);
-            }
-            return own;
-        }
-        // What is wrong with a part of it is told with the part's own place, and the face's number.
-        let read = self.faces.read(number).map_err(|cause| match cause.number == number {
-            true => cause,
-            false => fault(number, format!("{}: {}", place(entities, cause.number), cause.why)),
-        });
-        let own = read.and_then(|read| {
-            let made = make(&read.source).map_err(|cause| fault(number, cause.to_string()))?;
-            Ok(Own { made, motion: read.motion, remark: read.remark })
-        });
-        if !is_last {
-            self.made.insert(number, own.clone());
-        }
-        own
-    }
+/// The face of a number.
+fn face(faces: &mut Faces, number: u32, entities: &Entities) -> Result<Own, Fault> {
+    // What is wrong with a part of it is told with the part's own place, and the face's number.
+    let read = faces.read(number).map_err(|cause| match cause.number == number {
+        true => cause,
+        false => fault(number, format!("{}: {}", place(entities, cause.number), cause.why)),
+    })?;
+    let made = make(&read.source).map_err(|cause| fault(number, cause.to_string()))?;
+    Ok(Own { made, motion: read.motion, remark: read.remark })
 }

@@ -21,17 +21,17 @@ mod units;
 mod value;
 
 use crate::brep::face::make;
+use crate::brep::gathered::Gathered;
+use crate::brep::once::Once;
 use crate::brep::source::Made;
-use crate::brep::total::Total;
 use crate::document::{Attributes, Document, Note, NoteKind, SurfaceKind};
 use crate::error::{Cause, FormatError};
-use crate::format::{Format, Support, file_name, text_head};
+use crate::format::{Format, Support, text_head};
 use crate::place::Place;
 use assembly::{Assembly, Placed};
 use fault::{Fault, fault};
 use geometry::Geometry;
 use p21::Instances;
-use scene::Model;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use structure::{RELATIONS, REPRESENTATIONS};
@@ -86,32 +86,20 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         notes.push(Note { kind: NoteKind::Healed, place: place(&instances, first), text });
     }
     let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
-    let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), made: BTreeMap::new(), work: &work };
-    let mut uses: BTreeMap<(u64, Option<u64>), usize> = BTreeMap::new();
-    for placed in &assembly.placed {
-        *uses.entry((placed.number, placed.context)).or_default() += 1;
-    }
-    let (mut surfaces, mut faces, mut attributes, mut total) = (vec![], vec![], vec![], Total::default());
-    let mut edges: BTreeMap<(usize, i64), i64> = BTreeMap::new();
+    let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), work: &work };
+    let key = |placed: &Placed| (placed.number, placed.context);
+    let mut made = Once::new(assembly.placed.iter().map(key));
+    let mut gathered = Gathered::default();
     let mut kinds: BTreeMap<u64, SurfaceKind> = BTreeMap::new();
     let mut faults = std::mem::take(&mut assembly.faults);
     for placed in &assembly.placed {
-        let left = uses.get_mut(&(placed.number, placed.context)).expect("each was counted");
-        *left -= 1;
-        match reader.face(placed, *left == 0) {
+        match made.get(key(placed), || reader.face(placed)) {
             Ok(made) => {
-                total.add(placed.number, &made.found);
-                let (surface, mut face) = made.placed(&placed.motion, placed.reversed);
-                face.surface = surfaces.len();
-                for trim in face.loops.iter_mut().flat_map(|l| &mut l.trims) {
-                    let next = edges.len() as i64;
-                    trim.edge = trim.edge.map(|edge| *edges.entry((placed.instance, edge)).or_insert(next));
-                }
-                surfaces.push(surface);
                 let kind = || geometry::kind(&instances, placed.number);
                 let surface = *kinds.entry(placed.number).or_insert_with(kind);
-                attributes.push(Attributes { surface, ..placed.attributes.clone() });
-                faces.push((usize::try_from(placed.number).unwrap_or(usize::MAX), face));
+                let attributes = Attributes { surface, ..placed.attributes.clone() };
+                let at = (&placed.motion, placed.reversed);
+                gathered.add(placed.number, made, at, placed.instance, attributes);
             }
             Err(fault) => faults.push(fault),
         }
@@ -132,29 +120,14 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         place: place(&instances, fault.number),
         text: format!("left out: {}", fault.why),
     }));
-    let unit = units.length.as_ref().map_or("model unit", |unit| &unit.name);
-    notes.extend(total.notes(|face| place(&instances, face), unit));
-    if faces.is_empty() {
+    if gathered.is_empty() {
         let why = faults.first().map_or_else(
             || "it shows no faces".to_owned(),
             |fault| format!("no face can be drawn; the first: {}: {}", place(&instances, fault.number), fault.why),
         );
         return Err(FormatError::new(file, Place::File, Cause::Kind(why)));
     }
-    let model = Model::of_sound_faces(file_name(file), surfaces, faces, vec![])
-        .map_err(|cause| FormatError::new(file, Place::File, Cause::Scene(cause)))?;
-    notes.extend(model.notes().iter().map(|note| {
-        let face = match note {
-            scene::Note::FaceLeftOut { face, .. }
-            | scene::Note::LoopDropped { face, .. }
-            | scene::Note::WideGap { face, .. } => Some(*face as u64),
-            _ => None,
-        };
-        Note::of_model(face.map_or(Place::File, |face| place(&instances, face)), note)
-    }));
-    // Each face has a surface of its own.
-    let attributes = model.faces().iter().map(|face| attributes[face.surface].clone()).collect();
-    Ok(Document { model, unit: units.length, attributes, notes })
+    gathered.document(file, units.length, notes, |face| place(&instances, face))
 }
 
 fn place(instances: &Instances, number: u64) -> Place {
@@ -162,13 +135,11 @@ fn place(instances: &Instances, number: u64) -> Place {
     Place::Entity { number, line: instances.line(number), keyword }
 }
 
-/// Makes faces, each once.
+/// Makes faces.
 struct Reader<'f, 'b> {
     instances: &'f Instances<'b>,
     work: &'f Cell<usize>,
     contexts: BTreeMap<Option<u64>, Units>,
-    /// Those that stand at several places.
-    made: BTreeMap<(u64, Option<u64>), Result<Made, Fault>>,
 }
 
 impl Reader<'_, '_> {
@@ -176,16 +147,8 @@ impl Reader<'_, '_> {
         self.contexts.entry(context).or_insert_with(|| Units::of_context(self.instances, context))
     }
 
-    /// The face, in the coordinates of its representation; `is_last` says that it is not asked for again.
-    fn face(&mut self, placed: &Placed, is_last: bool) -> Result<Made, Fault> {
-        let key = (placed.number, placed.context);
-        if let Some(made) = self.made.get(&key) {
-            let made = made.clone();
-            if is_last {
-                self.made.remove(&key);
-            }
-            return made;
-        }
+    /// The face, in the coordinates of its representation.
+    fn face(&mut self, placed: &Placed) -> Result<Made, Fault> {
         let (instances, work) = (self.instances, self.work);
         let units = self.units(placed.context);
         let geometry = Geometry { instances, angle: units.angle, tolerance: units.uncertainty, work };
@@ -196,15 +159,11 @@ impl Reader<'_, '_> {
             topology::surface(&geometry, placed.number)
         };
         // What is wrong with a part of it is told with the part's own place, and the face's number.
-        let made = source
+        source
             .map_err(|cause| match cause.number == placed.number {
                 true => cause,
                 false => fault(placed.number, format!("{}: {}", place(instances, cause.number), cause.why)),
             })
-            .and_then(|source| make(&source).map_err(|cause| fault(placed.number, cause.to_string())));
-        if !is_last {
-            self.made.insert(key, made.clone());
-        }
-        made
+            .and_then(|source| make(&source).map_err(|cause| fault(placed.number, cause.to_string())))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::cases::cases;
 use crate::closed::Case;
-use crate::common::root;
+use crate::corpus;
 use crate::green::area_and_volume;
 use formats::Document;
 use scene::Model;
@@ -11,14 +11,7 @@ use scene::Model;
 const ERROR: f64 = 1e-9;
 
 fn opened(case: &Case) -> Document {
-    let path = root().join("testdata/iges").join(format!("{}.igs", case.name));
-    if std::env::var_os("IGES_CORPUS").is_some() {
-        std::fs::create_dir_all(path.parent().expect("a folder")).unwrap();
-        std::fs::write(&path, &case.text).unwrap();
-    }
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    assert_eq!(text, case.text, "{}: IGES_CORPUS=1 writes it anew", path.display());
-    formats::open(&path).unwrap_or_else(|error| panic!("{error}"))
+    corpus::opened(["iges", "igs"], case.name, &case.text)
 }
 
 #[test]

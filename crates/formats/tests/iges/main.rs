@@ -7,9 +7,13 @@ mod closed_forms;
 #[path = "../formats/common.rs"]
 #[allow(dead_code)]
 mod common;
+#[path = "../formats/corpus.rs"]
+mod corpus;
 #[path = "../formats/green.rs"]
 mod green;
 mod looks;
+#[path = "../formats/opencascade.rs"]
+mod opencascade;
 mod oracle;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;

@@ -7,8 +7,12 @@ mod closed_forms;
 #[path = "../formats/common.rs"]
 #[allow(dead_code)]
 mod common;
+#[path = "../formats/corpus.rs"]
+mod corpus;
 #[path = "../formats/green.rs"]
 mod green;
+#[path = "../formats/opencascade.rs"]
+mod opencascade;
 mod oracle;
 mod replicas;
 #[path = "../formats/same_faces.rs"]

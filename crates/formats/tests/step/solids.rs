@@ -3,23 +3,12 @@
 //! `tests/oracle/step_solids.py` makes them. A few stand in `testdata/step/solids`; `STEP_SOLIDS` names a folder of more.
 
 use crate::common::root;
-use crate::green::area_and_volume;
-use glam::DVec2;
-use serde_json::Value;
+use crate::opencascade::{difference, rows};
 use std::path::Path;
 
-/// Relative error of area and volume, beside what the file's tolerance all over the surface comes to: OpenCASCADE
-/// integrates over trims that it approximates itself.
-const ERROR: f64 = 2e-5;
-
 fn differences(folder: &Path) -> (usize, Vec<String>) {
-    let text =
-        std::fs::read_to_string(folder.join("solids.json")).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
-    let rows: Vec<Value> = serde_json::from_str(&text).expect("a list");
     let (mut files, mut wrong) = (0, vec![]);
-    for row in rows {
-        let number = |key: &str| row[key].as_f64().expect("a number");
-        let expected = DVec2::new(number("area"), number("volume"));
+    for row in rows(folder) {
         for end in ["p", "n"] {
             files += 1;
             let path = folder.join(format!("{}_{end}.step", row["name"].as_str().expect("a name")));
@@ -30,19 +19,7 @@ fn differences(folder: &Path) -> (usize, Vec<String>) {
                     continue;
                 }
             };
-            let found = area_and_volume(&document.model);
-            let tolerance = document.model.faces()[0].tolerance * DVec2::new(expected.x.sqrt(), expected.x);
-            let error = (((found - expected).abs() - tolerance) / expected).max_element();
-            let faces = document.model.faces().len();
-            if error > ERROR || error.is_nan() || faces as f64 != number("faces") {
-                let notes: Vec<String> = document.notes.iter().map(ToString::to_string).collect();
-                wrong.push(format!(
-                    "{}: {faces} faces of {}, off by {error:.1e}: {found} for {expected}; {}",
-                    path.display(),
-                    number("faces"),
-                    notes.join("; ")
-                ));
-            }
+            wrong.extend(difference(&document, &row, &path, true));
         }
     }
     (files, wrong)
