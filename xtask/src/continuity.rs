@@ -96,13 +96,17 @@ pub fn run(args: &ContinuityArgs) -> Result<ExitCode> {
     let mut settings = Settings { millimetres, ..Settings::new(args.limits(millimetres), &model) };
     settings.reach = args.reach.unwrap_or(settings.reach);
     let found = report(&model, settings);
-    if let Some(path) = &args.overlay {
-        picture::pair(&found, &model)?.write_png(path)?;
+    let pictures = match (&args.overlay, args.format) {
+        (None, PageFormat::Table | PageFormat::Json) => None,
+        _ => Some(picture::pair(&found, &model)?),
+    };
+    if let (Some(path), Some(pictures)) = (&args.overlay, &pictures) {
+        pictures.write_png(path)?;
     }
     let text = match args.format {
         PageFormat::Table => table::text(&found),
         PageFormat::Json => serde_json::to_string_pretty(&found)?,
-        PageFormat::Html => html::page(&found, &picture::pair(&found, &model)?)?,
+        PageFormat::Html => html::page(&found, pictures.as_ref().expect("a page has them"))?,
     };
     match (&args.out, args.format) {
         (Some(path), _) => output::write(path, (text + "\n").as_bytes())?,

@@ -162,12 +162,18 @@ impl Pair<'_, '_> {
 
     /// How far what is drawn is from the model at a hit, model units.
     fn stand_in(&self, hit: &Hit) -> f64 {
+        if self.deviation.stand_in.is_empty() {
+            return 0.0;
+        }
         let face = hit.face.0 as usize;
         self.setting.pieces(hit).map(|piece| self.deviation.stand_in_at(face, piece)).fold(0.0, f64::max)
     }
 
     /// [`Deviation::edge_px`], and what edges move in the picture where another model is drawn.
     fn edge_px(&self, hit: &Hit) -> f64 {
+        if self.deviation.stand_in.is_empty() {
+            return self.deviation.edge_px;
+        }
         let s = self.setting.surface_point(hit);
         self.deviation.edge_px + self.setting.camera.pixels_within(self.setting.viewport, s, self.stand_in(hit))
     }
@@ -182,8 +188,11 @@ impl Pair<'_, '_> {
         holds(self.drawn.unwrap_or(self.setting), candidate)?;
         let Evaluated { shares, radius } = self.evaluated(candidate)?;
         // Its spans are those of what it draws.
-        let candidate = &if self.drawn.is_some() { without_local(candidate) } else { *candidate };
-        holds(self.setting, candidate)?;
+        let own = self.drawn.map(|_| without_local(candidate));
+        if let Some(own) = &own {
+            holds(self.setting, own)?;
+        }
+        let candidate = own.as_ref().unwrap_or(candidate);
         let s = self.setting.surface_point(candidate);
         let ray = self.setting.camera.ray(self.setting.viewport, center.x, center.y);
         let along_ray = |s: DVec3| (s - ray.origin).dot(ray.direction);
