@@ -1,21 +1,27 @@
-// The fragment stage of techniques by triangles: it runs the program at the interpolated (u, v).
-// Uses layout.wgsl eval.wgsl fragment.wgsl sight.wgsl output.wgsl
+// What a sample of a flat triangle shows: the program, run at the interpolated (u, v).
+// Uses layout.wgsl eval.wgsl fragment.wgsl sight.wgsl
 
-struct VertexOutput {
-    @builtin(position) clip: vec4<f32>,
-    @location(0) @interpolate(perspective) uv: vec2<f32>,
-    @location(1) @interpolate(flat) face: u32,
-    @location(2) @interpolate(perspective) normal: vec3<f32>,
-    @location(3) @interpolate(perspective) local: vec3<f32>,
-    @location(4) @interpolate(flat) span: vec2<u32>,
+struct Sample {
+    face: u32,
+    given: Parameters,
+    // Where in the picture, pixels from the top left corner.
+    at: vec2<f32>,
+    // What the triangle carries there.
+    normal: vec3<f32>,
+    local: vec3<f32>,
+}
+
+struct Shown {
+    f: Fragment,
+    is_drawn: bool,
 }
 
 // The program at the interpolated (u, v), but on a skirt at the nearest place of its span; what lies behind is seen where the
 // face does not cover the pixel.
-fn shown(in: VertexOutput) -> Fragment {
+fn shown(in: Sample) -> Shown {
     let face = faces[in.face];
     var f: Fragment;
-    var given = Parameters(in.span, in.uv);
+    var given = in.given;
     var is_last = !TRIMMED;
     // A loop, so that the program stands there once.
     loop {
@@ -23,11 +29,11 @@ fn shown(in: VertexOutput) -> Fragment {
         if (is_last) {
             break;
         }
-        let pixel = sight(views[in.face], in.clip.xy);
+        let pixel = sight(views[in.face], in.at);
         let at = footprint(pixel, f.whole, f.position, f.su, f.sv);
         let on_skirt = is_on_skirt(face, given);
         if ((on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX) || !is_shown(face, at)) {
-            discard;
+            return Shown(f, false);
         }
         if (!on_skirt) {
             break;
@@ -35,7 +41,7 @@ fn shown(in: VertexOutput) -> Fragment {
         given.uv = nearest_on_span(face, f, pixel);
         is_last = true;
     }
-    return f;
+    return Shown(f, true);
 }
 
 // The place of a fragment's span that is nearest to a pixel in the picture, by the span's own parameters.
@@ -46,31 +52,22 @@ fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> vec2<f32> {
 }
 
 // What the flat triangle carries, in place of the surface's own: the interpolated normal, and the triangle's point but on a skirt.
-fn carried(in: VertexOutput, own: Fragment) -> Fragment {
+fn carried(in: Sample, own: Fragment) -> Fragment {
     var f = own;
     let length = sqrt(dot(in.normal, in.normal));
     f.status = select(UNDEFINED, REGULAR, length > 0.0);
     f.normal = select(vec3<f32>(0.0), in.normal / length, length > 0.0);
     f.curvature = vec2<f32>(0.0);
-    if (!TRIMMED || !is_on_skirt(faces[in.face], Parameters(in.span, in.uv))) {
+    if (!TRIMMED || !is_on_skirt(faces[in.face], in.given)) {
         f.position = in.local;
     }
     return f;
 }
 
-@fragment
-fn fragment_gbuffer(in: VertexOutput) -> GBufferOutput {
-    var f = shown(in);
-    if (VERTEX_NORMALS) {
-        f = carried(in, f);
-    }
-    return gbuffer_output(in.face, f, in.clip.xy);
-}
-
 // Where a fragment is, without what the surface is there: all that a colour takes of it where triangles carry the rest.
-fn unevaluated(in: VertexOutput) -> Fragment {
+fn unevaluated(in: Sample) -> Fragment {
     let face = faces[in.face];
-    let at = found(face, Parameters(in.span, in.uv));
+    let at = found(face, in.given);
     let span_u = span_of(face.table_u, face.spans_u, degree(face.degree_u), at.span.x);
     let span_v = span_of(face.table_v, face.spans_v, degree(face.degree_v), at.span.y);
     var f: Fragment;
@@ -80,16 +77,19 @@ fn unevaluated(in: VertexOutput) -> Fragment {
     return f;
 }
 
-@fragment
-fn fragment_shaded(in: VertexOutput) -> @location(0) vec4<f32> {
-    var f: Fragment;
+// What a colour is made of: nothing is evaluated where triangles carry all of it.
+fn coloured(in: Sample) -> Shown {
     if (VERTEX_NORMALS && !TRIMMED) {
-        f = carried(in, unevaluated(in));
-    } else if (VERTEX_NORMALS) {
-        f = carried(in, shown(in));
-    } else {
-        f = shown(in);
+        return Shown(carried(in, unevaluated(in)), true);
     }
-    // The flat triangle's point is on the pixel's ray; S is off it by the chord.
-    return shaded_output(in.face, f, in.local);
+    return recorded(in);
+}
+
+// What a G-buffer holds.
+fn recorded(in: Sample) -> Shown {
+    var out = shown(in);
+    if (VERTEX_NORMALS) {
+        out.f = carried(in, out.f);
+    }
+    return out;
 }

@@ -1,7 +1,7 @@
 // Entry points of technique `exact`: compute kernels, run in the order in which they stand here. No fragment stage is
 // fit for it: a search writes its own depth, so that nothing hidden is culled early, and hulls overlap.
 // Host: crates/techniques/src/exact/gpu.rs.
-// Uses exact/newton.wgsl exact/place.wgsl exact/resolve.wgsl layout.wgsl fragment.wgsl sight.wgsl
+// Uses exact/newton.wgsl exact/place.wgsl resolve.wgsl layout.wgsl fragment.wgsl sight.wgsl
 
 const WORKGROUP: u32 = 64u;
 // Threads that share a small hull, and the pixels of its rectangle at most.
@@ -258,7 +258,7 @@ fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let meeting = meetings[shown - 1u];
     let face = pieces[meeting.piece].face;
-    write_gbuffer(id.xy, face, met_at(meeting));
+    write_gbuffer(id.xy, face, fragment(face, met_at(meeting)));
 }
 
 @compute @workgroup_size(TILE, TILE)
@@ -269,5 +269,6 @@ fn resolve_shaded(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let meeting = meetings[shown - 1u];
     let face = pieces[meeting.piece].face;
-    write_shaded(id.xy, face, met_at(meeting));
+    let f = fragment(face, met_at(meeting));
+    write_shaded(id.xy, face, f, f.position);
 }

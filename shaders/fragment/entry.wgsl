@@ -1,5 +1,5 @@
 // The vertex stage of technique `fragment`: it places a triangle's corners.
-// Uses layout.wgsl triangles.wgsl
+// Uses layout.wgsl fragment_stage.wgsl
 
 struct VertexInput {
     @location(0) position: vec3<f32>,

@@ -1,5 +1,5 @@
 // A corner of a patch's grid. Twin of crates/techniques/src/grid/corner.rs.
-// Uses layout.wgsl fragment.wgsl triangles.wgsl
+// Uses layout.wgsl fragment.wgsl fragment_stage.wgsl
 
 const LOW_U: u32 = 1u;
 const LOW_V: u32 = 4u;

@@ -1,6 +1,6 @@
 // The vertex stage of technique `grid`: each instance is a bunch of tiles of Bézier patches' grids, each vertex a
 // corner of their cells.
-// Uses grid/corner.wgsl grid/tiles.wgsl triangles.wgsl
+// Uses grid/corner.wgsl grid/tiles.wgsl fragment_stage.wgsl
 
 // A draw call.
 struct Drawn {

@@ -1,6 +1,6 @@
 // Technique `zones`: two kernels cut grids into zones of SIDE × SIDE cells and evaluate the corners of each zone, those on its
 // borders too; the vertex stage takes them from there. Host: crates/techniques/src/zones/gpu.rs.
-// Uses grid/corner.wgsl triangles.wgsl
+// Uses grid/corner.wgsl fragment_stage.wgsl
 
 const SIDE: u32 = 4u;
 const ACROSS: u32 = SIDE + 1u;

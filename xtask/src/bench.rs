@@ -2,6 +2,7 @@
 
 mod agree;
 mod frames;
+mod paths;
 mod sample;
 mod tessellation;
 mod trimming;
@@ -71,6 +72,8 @@ enum Suite {
     Parts,
     /// Geiger's Figs. 27, 29 and 30, Concheiro's Table 1 and Fig. 3: frames by patches and by triangles, for each technique
     Tessellation,
+    /// Who finds the triangles on the GPU: frames by its rasterizer, and by compute kernels with each kind of atomics
+    Paths,
 }
 
 /// Runs the command.
@@ -89,6 +92,10 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     if args.suite == Suite::Tessellation {
         let frames = usize::from(args.frames);
         return tessellation::run(&args.tessellation, args.drawing.plan(), device.as_ref(), frames, args.format);
+    }
+    if args.suite == Suite::Paths {
+        let Some(device) = &device else { bail!("suite paths times the GPU, and there is none") };
+        return paths::run(args.drawing.plan(), device, args.rounds, usize::from(args.frames), args.format);
     }
     let viewport = Viewport::new(args.side, args.side)?;
     let models: Vec<(Model, usize, f64)> =
@@ -145,7 +152,8 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         casting[1].values.push(cast(&caster, &grazing));
         for (((model, cells, _), technique), [raster, on_gpu]) in drawn.clone().zip(&mut drawing) {
             let cameras = turning(model, viewport, usize::from(args.frames), f64::from(round));
-            let frames = Frames::new(model, technique, args.drawing.plan().scheme, Some(*cells), &cameras, viewport)?;
+            let frames =
+                Frames::new(model, Plan { technique, ..args.drawing.plan() }, Some(*cells), &cameras, viewport)?;
             raster.values.push(frames.on_cpu());
             if let Some(device) = &device {
                 on_gpu.values.push(frames.on_gpu(device)?);

@@ -85,7 +85,7 @@ pub fn on_gpu(stage: &Stage, device: &gpu::Device, patience: Patience) -> Result
     let before = held();
     let vertex_normals = stage.plan.vertex_normals;
     let options = gpu::RendererOptions { vertex_normals, ..gpu::RendererOptions::default() };
-    let mut renderer = gpu::Renderer::new(device, &stage.scene, &*stage.prepared, options)?;
+    let mut renderer = stage.renderer_of(device, options)?;
     let shading = Shading::new(ShadeKind::Isophotes).uniform(&stage.camera, stage.model.hull().diagonal());
     let mut draw = |frames: usize| -> Result<(gpu::Timing, Option<f64>)> {
         let start = worked_s();

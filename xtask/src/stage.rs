@@ -7,5 +7,5 @@ mod shaded;
 
 pub use drawn::{OnGpu, Original, Rendered, Stage};
 pub use judged::Rays;
-pub use plan::Plan;
+pub use plan::{Path, Plan};
 pub use shaded::ShadedReport;

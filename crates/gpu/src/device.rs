@@ -63,6 +63,18 @@ impl AdapterInfo {
     }
 }
 
+/// The widest atomics that a kernel may use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Atomics {
+    /// Greatest and least of 64 bits.
+    Bits64,
+    /// All that WebGPU promises.
+    Bits32,
+}
+
+/// Features of adapters with [`Atomics::Bits64`].
+const WIDE_ATOMICS: wgpu::Features = wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
+
 /// All adapters of this machine, best kind first, in the driver's order within a kind.
 pub fn adapters() -> Vec<AdapterInfo> {
     enumerate().into_iter().map(|(info, _)| info).collect()
@@ -125,7 +137,7 @@ impl Device {
     /// where there is none a software one.
     ///
     /// The device has the adapter's own limits where scenes and viewports may need more than WebGPU promises, and
-    /// timestamp queries where the adapter has them.
+    /// timestamp queries and atomics of 64 bits where the adapter has them.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`], [`GpuError::NoSuchAdapter`], [`GpuError::Open`]; [`GpuError::Limit`] where the adapter
@@ -138,9 +150,13 @@ impl Device {
         limits.max_texture_dimension_2d = has.max_texture_dimension_2d;
         limits.max_storage_buffer_binding_size = has.max_storage_buffer_binding_size;
         limits.max_buffer_size = has.max_buffer_size;
+        let mut features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+        if adapter.features().contains(WIDE_ATOMICS) {
+            features |= WIDE_ATOMICS;
+        }
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("isophote"),
-            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_features: features,
             required_limits: limits.clone(),
             ..Default::default()
         };
@@ -173,6 +189,11 @@ impl Device {
     /// Whether the device can time its own work.
     pub fn has_timestamps(&self) -> bool {
         self.wgpu.features().contains(wgpu::Features::TIMESTAMP_QUERY)
+    }
+
+    /// The widest atomics that it has.
+    pub fn atomics(&self) -> Atomics {
+        if self.wgpu.features().contains(WIDE_ATOMICS) { Atomics::Bits64 } else { Atomics::Bits32 }
     }
 
     /// Nothing where `needed` is within the limit.

@@ -20,7 +20,7 @@ mod renderer;
 mod targets;
 
 pub use buffers::{SceneBuffers, SceneLayouts};
-pub use device::{AdapterInfo, AdapterKind, Device, adapters};
+pub use device::{AdapterInfo, AdapterKind, Atomics, Device, adapters};
 pub use error::{GpuError, SOFTWARE_DRIVER};
 pub use faults::{DepthOrder, Overrides};
 pub use masks::{MaskAtlas, MaskBlend, MaskPainter};

@@ -88,6 +88,27 @@ pub struct Triangle {
     counterclockwise: bool,
     /// 1 / w relative to the greatest of the three, so that no product with a weight underflows.
     share: [f32; 3],
+    slope: Slope,
+}
+
+/// How depth grows with the values of the edges opposite to the second and the third corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Slope {
+    /// The power of two that takes twice the area to 1 … 2, so that nothing below underflows.
+    scale: f32,
+    /// What depth gains over the whole of either edge's value, by the scaled area.
+    gain: [f32; 2],
+}
+
+impl Slope {
+    #[inline]
+    fn new([a, b, c]: [f32; 3], area: u64) -> Self {
+        let area = area as f32;
+        // Biased exponents e and 254 − e belong to powers of two whose product is 1.
+        let scale = f32::from_bits((254 - (area.to_bits() >> 23)) << 23);
+        let area = area * scale;
+        Self { scale, gain: [(b - a) / area, (c - a) / area] }
+    }
 }
 
 /// An edge function: its value at a pixel's centre is positive inside; it grows by `step` from pixel to pixel.
@@ -137,7 +158,8 @@ impl Triangle {
         }
         let greatest = corners.iter().fold(0.0, |m: f32, c| m.max(c.inverse_w));
         let share = corners.map(|c| c.inverse_w / greatest);
-        Some(Self { corners, snapped, counterclockwise: area < 0, share })
+        let slope = Slope::new(corners.map(|c| c.depth), area.unsigned_abs());
+        Some(Self { corners, snapped, counterclockwise: area < 0, share, slope })
     }
 
     /// The edges opposite to corners 0, 1 and 2, each with the triangle on its positive side.
@@ -188,9 +210,20 @@ impl Triangle {
         }
     }
 
-    /// z / w by weights, linear in the picture; never beyond the corners' own.
+    /// z / w at the centre of a pixel that it covers, by the snapped triangle; never beyond the corners' own. This decides who is
+    /// seen: it is exact but for five roundings, whatever the triangle's shape, and kernels in `shaders/raster` have the same bits.
     #[inline]
-    pub fn depth(&self, weights: [f32; 3]) -> f32 {
+    pub fn depth(&self, x: i32, y: i32) -> f32 {
+        let edges = self.edges();
+        let [p, q] = [1, 2].map(|i| edges[i].at(x, y) as f32 * self.slope.scale);
+        let [a, b, c] = self.corners.map(|c| c.depth);
+        let depth = a + (p * self.slope.gain[0] + q * self.slope.gain[1]);
+        depth.clamp(a.min(b).min(c), self.nearest())
+    }
+
+    /// z / w by weights, linear in the picture: where the unsnapped triangle meets the pixel's ray. Never beyond the corners' own.
+    #[inline]
+    pub fn carried_depth(&self, weights: [f32; 3]) -> f32 {
         let [a, b, c] = self.corners.map(|c| c.depth);
         let [depth] = combine(weights, [[a], [b], [c]]);
         depth.clamp(a.min(b).min(c), self.nearest())

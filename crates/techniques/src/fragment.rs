@@ -13,8 +13,8 @@ use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
 use compare::{Cell, Claims};
-use pipeline::PackedScene;
 use pipeline::wgsl::Part;
+use pipeline::{Mesh, PackedScene};
 use raster::Drawing;
 use raster::visibility::Visibility;
 use scene::{FaceId, Model};
@@ -60,6 +60,10 @@ impl Technique for Fragment {
 impl Prepared for Tessellation {
     fn triangles(&self) -> usize {
         self.mesh.triangles()
+    }
+
+    fn mesh(&self) -> Option<&Mesh> {
+        Some(&self.mesh)
     }
 
     fn chord(&self) -> &[Vec<f64>] {

@@ -22,6 +22,7 @@ use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
 use compare::{Cell, Claims};
+use pipeline::Mesh;
 use pipeline::wgsl::Part;
 use raster::Drawing;
 use raster::visibility::Visibility;
@@ -58,6 +59,10 @@ impl Technique for Grid {
 impl Prepared for Grids {
     fn triangles(&self) -> usize {
         self.picture.mesh.triangles()
+    }
+
+    fn mesh(&self) -> Option<&Mesh> {
+        Some(&self.picture.mesh)
     }
 
     fn chord(&self) -> &[Vec<f64>] {

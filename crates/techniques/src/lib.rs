@@ -8,6 +8,7 @@ pub mod exact;
 pub mod fragment;
 pub mod grid;
 mod limits;
+mod resolve;
 mod technique;
 mod triangles;
 pub mod zones;
@@ -15,6 +16,7 @@ pub mod zones;
 pub use error::PrepareError;
 pub use limits::{DEFAULT_ZONES, GREATEST_LEVEL, Limits, PAPER_ZONES, ZONE_WORDS};
 pub use technique::{Prepared, Setting, Technique};
+pub use triangles::compute::ByCompute;
 
 /// All of them; the first is the default.
 pub const ALL: &[&dyn Technique] = &[&fragment::Fragment, &exact::Exact, &grid::Grid, &zones::ByZones];

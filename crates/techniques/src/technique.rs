@@ -4,8 +4,8 @@ use crate::error::PrepareError;
 use crate::limits::Limits;
 use compare::{Cell, Claims};
 use gpu::Drawable;
-use pipeline::PackedScene;
 use pipeline::wgsl::Part;
+use pipeline::{Mesh, PackedScene};
 use raster::Drawing;
 use raster::visibility::Visibility;
 use scene::{Camera, FaceId, Model, Viewport};
@@ -82,6 +82,11 @@ impl Debug for dyn Technique {
 pub trait Prepared: Drawable {
     /// Number of triangles that are drawn.
     fn triangles(&self) -> usize;
+
+    /// The triangles in the picture that it was prepared for, as the CPU draws them; `None` for a technique that draws none.
+    fn mesh(&self) -> Option<&Mesh> {
+        None
+    }
 
     /// For each face and each of its Bézier pieces, row-major in u, the greatest distance in model units from a point of a
     /// flat triangle to S at its parameters; empty where no flat triangle is shown.

@@ -1,14 +1,20 @@
-//! What techniques by flat triangles share: bounds of derivatives, how coarse triangles have to be, what is in the picture, who is seen on the CPU, and the pass
-//! that draws on a GPU.
+//! What techniques by flat triangles share: bounds of derivatives, how coarse triangles have to be, what is in the picture, who is seen on the CPU, and the passes
+//! that draw on a GPU, by its rasterizer or by kernels.
 
 pub mod bounds;
 pub mod coarsened;
+pub mod compute;
 pub mod cpu;
 mod cut;
 pub mod frustum;
 pub mod gpu;
 mod outline;
 pub mod patches;
+
+use pipeline::wgsl::Part;
+
+/// What a sample of a flat triangle shows, whoever finds the triangle.
+pub const SAMPLE: Part = Part { file: "triangles.wgsl", text: include_str!("../../../shaders/triangles.wgsl") };
 
 /// How much wider than the chord error the skirt of a bounded face is, pixels: what snapping moves its corners by, and what
 /// a pixel may be beyond the border and still be covered.

@@ -14,6 +14,7 @@ use crate::grid::Grids;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
 use compare::{Cell, Claims};
+use pipeline::Mesh;
 use pipeline::wgsl::Part;
 use raster::Drawing;
 use raster::visibility::Visibility;
@@ -50,6 +51,10 @@ impl Technique for ByZones {
 impl Prepared for Zones {
     fn triangles(&self) -> usize {
         self.mesh.triangles()
+    }
+
+    fn mesh(&self) -> Option<&Mesh> {
+        Some(&self.mesh)
     }
 
     fn chord(&self) -> &[Vec<f64>] {

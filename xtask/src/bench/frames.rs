@@ -1,9 +1,10 @@
 //! Frames of a turning model, timed.
 
+use crate::stage::{Path, Plan};
 use anyhow::{Context, Result};
 use gbuffer::{ShadeKind, Shading};
 use glam::{DQuat, DVec3};
-use pipeline::{PackedScene, Scheme, View};
+use pipeline::{PackedScene, View};
 use scene::{Camera, Model, Viewport};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -29,6 +30,7 @@ pub struct Frames<'a> {
     technique: &'static dyn Technique,
     scene: PackedScene,
     prepared: Arc<dyn Prepared>,
+    path: Path,
     cameras: &'a [Camera],
     views: Vec<Vec<View>>,
     viewport: Viewport,
@@ -41,12 +43,12 @@ impl<'a> Frames<'a> {
     /// Where it cannot be packed or tessellated.
     pub fn new(
         model: &'a Model,
-        technique: &'static dyn Technique,
-        scheme: Scheme,
+        plan: Plan,
         cells: Option<usize>,
         cameras: &'a [Camera],
         viewport: Viewport,
     ) -> Result<Self> {
+        let Plan { technique, scheme, path, .. } = plan;
         let scene = PackedScene::new(model, scheme)?;
         let camera = cameras.first().context("a round has frames")?;
         let uniform = cells.map(|cells| technique.uniform(model, &scene, cells)).transpose()?.flatten();
@@ -65,7 +67,7 @@ impl<'a> Frames<'a> {
             }
         };
         let views = cameras.iter().map(|camera| scene.views(model, camera, viewport)).collect();
-        Ok(Self { model, technique, scene, prepared, cameras, views, viewport })
+        Ok(Self { model, technique, scene, prepared, path, cameras, views, viewport })
     }
 
     /// Frames a second of the rasterizer, which draws the first one alone.
@@ -80,12 +82,12 @@ impl<'a> Frames<'a> {
         1.0 / start.elapsed().as_secs_f64()
     }
 
-    /// Frames a second of the GPU, shaded in the fragment stage.
+    /// Frames a second of the GPU, shaded on it.
     ///
     /// # Errors
     /// Where the GPU fails.
     pub fn on_gpu(&self, device: &gpu::Device) -> Result<f64> {
-        let mut renderer = gpu::Renderer::new(device, &self.scene, &*self.prepared, gpu::RendererOptions::default())?;
+        let mut renderer = self.path.renderer(device, &self.scene, &self.prepared, gpu::RendererOptions::default())?;
         let size = self.model.hull().diagonal();
         let shading = Shading::new(ShadeKind::Isophotes).uniform(&self.cameras[0], size);
         Ok(renderer.time_shaded(&self.views, &shading, self.viewport)?.frames_per_second())

@@ -61,7 +61,7 @@ impl Trimming {
     ) -> Result<()> {
         let cameras = turning(&self.trimmed, viewport, frames, start);
         for (technique, [raster, on_gpu]) in &mut self.costs {
-            let of = |model| Frames::new(model, *technique, plan.scheme, None, &cameras, viewport);
+            let of = |model| Frames::new(model, Plan { technique: *technique, ..plan }, None, &cameras, viewport);
             let [trimmed, whole] = [of(&self.trimmed)?, of(&self.whole)?];
             raster.values.push(whole.on_cpu() / trimmed.on_cpu());
             if let Some(device) = device {

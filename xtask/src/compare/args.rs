@@ -5,7 +5,7 @@ use crate::approximate::ApproximateArgs;
 use crate::format::Format;
 use crate::limits::LimitArgs;
 use crate::masks::TrimArgs;
-use crate::stage::Plan;
+use crate::stage::{Path, Plan};
 use crate::view::ViewArgs;
 use crate::{number, technique};
 use clap::{Args, ValueEnum};
@@ -66,6 +66,9 @@ pub struct DrawingArgs {
     /// Where the surface is evaluated
     #[arg(long, value_parser = technique::parser(), default_value = technique::default())]
     technique: &'static dyn Technique,
+    /// Who finds the triangles on the GPU: its own rasterizer, or compute kernels with the CPU rasterizer's coverage to the bit
+    #[arg(long, value_enum, default_value = "fragment")]
+    path: PathName,
     /// Programs of a few specialised degrees, or one for any
     #[arg(long, value_enum, default_value = "specialised")]
     scheme: SchemeName,
@@ -85,6 +88,17 @@ pub struct DrawingArgs {
     /// Part of the GPU adapter's name [default: a hardware one, else a software one]
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum PathName {
+    /// The rasterizer of the GPU; the program runs in the fragment stage
+    Fragment,
+    /// Compute kernels, with 64-bit atomics where the adapter has them
+    Compute,
+    /// Compute kernels, with 32-bit atomics
+    #[value(name = "compute-32")]
+    Compute32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -150,6 +164,11 @@ impl DrawingArgs {
         };
         Plan {
             technique: self.technique,
+            path: match self.path {
+                PathName::Fragment => Path::Fragment,
+                PathName::Compute => Path::Compute,
+                PathName::Compute32 => Path::Compute32,
+            },
             scheme,
             chord_px: self.chord,
             trim: self.trim.trimming(),

@@ -1,6 +1,6 @@
 //! A model, seen: everything the three renderers need, made once, and what they return.
 
-use super::plan::Plan;
+use super::plan::{Path, Plan};
 use crate::terminal;
 use anyhow::{Result, bail};
 use compare::{Interpolation, StandIn, VertexNormals};
@@ -79,6 +79,9 @@ impl<'m> Stage<'m> {
         let Plan { chord_px, limits, .. } = plan;
         let setting = Setting { model, scene: &scene, camera: &camera, viewport, chord_px, limits };
         let prepared = plan.technique.prepare(&setting)?;
+        if plan.path != Path::Fragment && prepared.mesh().is_none() {
+            bail!("technique {} draws no triangles, so there are none for --path compute", plan.technique.name())
+        }
         if plan.vertex_normals && prepared.cells().is_empty() {
             bail!(
                 "technique {} draws no triangles with corners on the surface, so it has no vertex normals",
@@ -135,6 +138,20 @@ impl<'m> Stage<'m> {
             original: self.original.clone(),
             ..*self
         })
+    }
+
+    /// The same stage, drawn on the GPU by another path.
+    pub fn by_path(&self, path: Path) -> Stage<'m> {
+        Stage {
+            plan: Plan { path, ..self.plan },
+            scene: self.scene.clone(),
+            prepared: self.prepared.clone(),
+            views: self.views.clone(),
+            interpolation: self.interpolation.clone(),
+            vertex_normals: self.vertex_normals.clone(),
+            original: self.original.clone(),
+            ..*self
+        }
     }
 
     /// The rasterizer of this stage.
@@ -200,8 +217,19 @@ impl<'m> Stage<'m> {
         overrides: gpu::Overrides<'_>,
     ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
         let raster::Options { curvature, vertex_normals } = self.options();
-        let options = gpu::RendererOptions { curvature, vertex_normals, overrides };
-        gpu::Renderer::new(device, &self.scene, &*self.prepared, options)
+        self.renderer_of(device, gpu::RendererOptions { curvature, vertex_normals, overrides })
+    }
+
+    /// One that computes what is asked for, by the path of the plan.
+    ///
+    /// # Errors
+    /// Where the adapter refuses.
+    pub fn renderer_of<'a>(
+        &'a self,
+        device: &'a gpu::Device,
+        options: gpu::RendererOptions<'_>,
+    ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
+        self.plan.path.renderer(device, &self.scene, &self.prepared, options)
     }
 
     /// What [`Self::gpu`] returns, by a renderer of this stage or of the one whose sample it is.

@@ -5,13 +5,28 @@ use compare::UNBOUNDED_SHARE;
 use pipeline::mask::{MaskPlan, Masks, Trimming};
 use pipeline::{PackedScene, Scheme};
 use scene::{Camera, Model, Viewport};
-use techniques::{DEFAULT_CHORD_PX, Limits, Technique};
+use std::sync::Arc;
+use techniques::{ByCompute, DEFAULT_CHORD_PX, Limits, Prepared, Technique};
+
+/// Who finds the triangles that the GPU shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Path {
+    /// Its own rasterizer; the program runs in the fragment stage.
+    #[default]
+    Fragment,
+    /// Kernels, with atomics of 64 bits where the adapter has them.
+    Compute,
+    /// Kernels, with atomics of 32 bits.
+    Compute32,
+}
 
 /// How a model is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
     /// Where the surface is evaluated.
     pub technique: &'static dyn Technique,
+    /// Who finds its triangles on the GPU.
+    pub path: Path,
     /// Which programs evaluate it.
     pub scheme: Scheme,
     /// Chord error of a tessellation, pixels.
@@ -32,6 +47,7 @@ impl Default for Plan {
     fn default() -> Self {
         Self {
             technique: techniques::ALL[0],
+            path: Path::default(),
             scheme: Scheme::default(),
             chord_px: DEFAULT_CHORD_PX,
             trim: Trimming::default(),
@@ -39,6 +55,34 @@ impl Default for Plan {
             vertex_normals: false,
             limits: Limits::default(),
             unbounded_share: UNBOUNDED_SHARE,
+        }
+    }
+}
+
+impl Path {
+    /// What the kernels use; `None` where no kernels are asked for.
+    fn atomics(self, device: &gpu::Device) -> Option<gpu::Atomics> {
+        match self {
+            Path::Fragment => None,
+            Path::Compute => Some(device.atomics()),
+            Path::Compute32 => Some(gpu::Atomics::Bits32),
+        }
+    }
+
+    /// A renderer of what is prepared of a scene, by this path where it has triangles.
+    ///
+    /// # Errors
+    /// Where the adapter refuses.
+    pub fn renderer<'a>(
+        self,
+        device: &'a gpu::Device,
+        scene: &'a PackedScene,
+        prepared: &Arc<dyn Prepared>,
+        options: gpu::RendererOptions<'_>,
+    ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
+        match self.atomics(device).and_then(|atomics| ByCompute::new(prepared.clone(), atomics)) {
+            Some(drawn) => gpu::Renderer::new(device, scene, &drawn, options),
+            None => gpu::Renderer::new(device, scene, &**prepared, options),
         }
     }
 }

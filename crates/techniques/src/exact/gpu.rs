@@ -2,8 +2,9 @@
 
 mod picture;
 
-use self::picture::{Picture, Range, Shared, first_target};
+use self::picture::{Picture, Range, Shared};
 use super::hulls::{CORNERS, Hulls, INDICES};
+use crate::resolve;
 use bytemuck::{Pod, Zeroable};
 use gpu::groups::{READ, UNIFORM_AT, WRITE};
 use gpu::{DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets};
@@ -20,7 +21,7 @@ pub(super) const NAME: &str = "exact";
 /// Kernels `bound_hulls`, `meet_small`, `meet_large`, `choose`, `resolve_gbuffer` and `resolve_shaded`, and the search.
 pub(super) const PARTS: &[Part] = &[
     Part { file: "exact/entry.wgsl", text: include_str!("../../../../shaders/exact/entry.wgsl") },
-    Part { file: "exact/resolve.wgsl", text: include_str!("../../../../shaders/exact/resolve.wgsl") },
+    resolve::PART,
     Part { file: "exact/newton.wgsl", text: include_str!("../../../../shaders/exact/newton.wgsl") },
     Part { file: "exact/fold.wgsl", text: include_str!("../../../../shaders/exact/fold.wgsl") },
     Part { file: "exact/place.wgsl", text: include_str!("../../../../shaders/exact/place.wgsl") },
@@ -88,7 +89,7 @@ impl Drawable for Hulls {
             let pipeline_layout = |groups: &[Option<&wgpu::BindGroupLayout>]| device.pipeline_layout("exact", groups);
             let search_layout = pipeline_layout(&[Some(&scene.layouts.scene), Some(&layout)]);
             let resolve_layouts = [Output::GBuffer, Output::Shaded].map(|output| {
-                let targets = device.group_layout("targets", ShaderStages::COMPUTE, target_bindings(output));
+                let targets = resolve::layout(device, output);
                 let pipeline = pipeline_layout(&[Some(&scene.layouts.scene), Some(&layout), Some(&targets)]);
                 (output, (targets, pipeline))
             });
@@ -318,16 +319,6 @@ fn hull_records(hulls: &Hulls) -> Vec<HullRecord> {
 /// that WebGPU promises a stage.
 fn shared_bindings() -> impl Iterator<Item = (u32, wgpu::BindingType)> {
     (0..).zip([READ, WRITE, WRITE, WRITE, UNIFORM_AT])
-}
-
-/// The targets of an output, by their bindings.
-fn target_bindings(output: Output) -> Vec<(u32, wgpu::BindingType)> {
-    let texture = |&format| wgpu::BindingType::StorageTexture {
-        access: wgpu::StorageTextureAccess::WriteOnly,
-        format,
-        view_dimension: wgpu::TextureViewDimension::D2,
-    };
-    (first_target(output)..).zip(output.formats().iter().map(texture)).collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Technique `fragment` on the device: vertices and indices that the vertex stage is fed with.
 
 use super::tessellation::Tessellation;
-use crate::triangles::gpu::{Draw, Feed, PART};
+use crate::triangles::SAMPLE;
+use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Pass, SceneBuffers};
 use pipeline::wgsl::Part;
 use pipeline::{Batch, Program, Vertex};
@@ -11,8 +12,11 @@ use wgpu::{BufferUsages, RenderPass, RenderPipeline, ShaderStages};
 pub(super) const NAME: &str = "fragment";
 
 /// Entry point `vertex`, and those of the fragment stage.
-pub(super) const PARTS: &[Part] =
-    &[Part { file: "fragment/entry.wgsl", text: include_str!("../../../../shaders/fragment/entry.wgsl") }, PART];
+pub(super) const PARTS: &[Part] = &[
+    Part { file: "fragment/entry.wgsl", text: include_str!("../../../../shaders/fragment/entry.wgsl") },
+    FRAGMENT_STAGE,
+    SAMPLE,
+];
 
 impl Drawable for Tessellation {
     fn technique(&self) -> &'static str {

@@ -5,7 +5,8 @@
 use super::grids::Grids;
 use super::record::GridRecord;
 use super::tiles::{SIDES, SIZES, indices};
-use crate::triangles::gpu::{Draw, Feed, PART};
+use crate::triangles::SAMPLE;
+use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
 use bytemuck::{Pod, Zeroable};
 use gpu::groups::{READ, UNIFORM, UNIFORM_AT, WRITE, part, whole};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, SceneLayouts};
@@ -24,7 +25,8 @@ pub(super) const PARTS: &[Part] = &[
     Part { file: "grid/tiles.wgsl", text: include_str!("../../../../shaders/grid/tiles.wgsl") },
     Part { file: "grid/levels.wgsl", text: include_str!("../../../../shaders/grid/levels.wgsl") },
     CORNER,
-    PART,
+    FRAGMENT_STAGE,
+    SAMPLE,
 ];
 
 /// Where a corner of a grid is.

@@ -53,11 +53,11 @@ impl Visibility for Triangles<'_> {
                 if !tile.passes(x, y, nearest) {
                     return;
                 }
-                let weights = triangle.weights(x, y);
-                let depth = triangle.depth(weights);
+                let depth = triangle.depth(x, y);
                 if !is_bounded {
                     tile.test(x, y, depth, owner as u32);
                 } else if tile.passes(x, y, depth) {
+                    let weights = triangle.weights(x, y);
                     let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
                     waiting.add(drawing, &mut tile, attributes.face, place, ([x, y], depth, owner as u32));
                 }
@@ -84,7 +84,7 @@ impl Visibility for Triangles<'_> {
                 let shown = cut::shown(drawing, attributes.face, place, [x as f32 + 0.5, y as f32 + 0.5]);
                 run.places.push(shown);
                 if drawing.options.vertex_normals {
-                    let depth = (shown == place).then(|| triangle.depth(weights));
+                    let depth = (shown == place).then(|| triangle.carried_depth(weights));
                     run.carried.push(Carried { normal: triangle.interpolate(weights, attributes.normal), depth });
                 }
             }
@@ -123,7 +123,7 @@ impl Samples for Positions<'_> {
                 return None;
             }
             let weights = triangle.weights(pixel[0], pixel[1]);
-            let depth = triangle.depth(weights);
+            let depth = triangle.depth(pixel[0], pixel[1]);
             let attributes = geometry.attributes(id);
             let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
             let (face, at) = (attributes.face, [x as f32, y as f32]);
@@ -132,7 +132,7 @@ impl Samples for Positions<'_> {
                 let shown = cut::shown(drawing, face, place, at);
                 let carried = drawing.options.vertex_normals.then(|| Carried {
                     normal: triangle.interpolate(weights, attributes.normal),
-                    depth: (shown == place).then_some(depth),
+                    depth: (shown == place).then(|| triangle.carried_depth(weights)),
                 });
                 Seen { face, place: shown, carried, depth }
             })

@@ -9,8 +9,9 @@ use pipeline::wgsl::Part;
 use std::collections::HashMap;
 use wgpu::{RenderPass, RenderPipeline, TextureFormat, TextureUsages};
 
-/// What fragments of triangles do: entry points `fragment_gbuffer` and `fragment_shaded`.
-pub const PART: Part = Part { file: "triangles.wgsl", text: include_str!("../../../../shaders/triangles.wgsl") };
+/// Entry points `fragment_gbuffer` and `fragment_shaded`.
+pub const FRAGMENT_STAGE: Part =
+    Part { file: "fragment_stage.wgsl", text: include_str!("../../../../shaders/fragment_stage.wgsl") };
 
 const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 

@@ -2,7 +2,8 @@
 
 use super::plan::{SIDE, Step, Zones};
 use crate::grid::CORNER;
-use crate::triangles::gpu::{Draw, Feed, PART};
+use crate::triangles::SAMPLE;
+use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
 use gpu::groups::{READ, UNIFORM_AT, WRITE, part, whole};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, SceneLayouts};
 use pipeline::Program;
@@ -14,8 +15,12 @@ use wgpu::{BufferUsages, RenderPass, RenderPipeline, ShaderStages};
 pub(super) const NAME: &str = "zones";
 
 /// Kernels `find_zones` and `tessellate`, entry point `vertex`, and those of the fragment stage.
-pub(super) const PARTS: &[Part] =
-    &[Part { file: "zones/entry.wgsl", text: include_str!("../../../../shaders/zones/entry.wgsl") }, CORNER, PART];
+pub(super) const PARTS: &[Part] = &[
+    Part { file: "zones/entry.wgsl", text: include_str!("../../../../shaders/zones/entry.wgsl") },
+    CORNER,
+    FRAGMENT_STAGE,
+    SAMPLE,
+];
 
 /// Threads of a workgroup in `shaders/zones/entry.wgsl`.
 const WORKGROUP: u32 = 64;

@@ -1,8 +1,9 @@
 //! What the kernels of technique `exact` keep of one picture: the meetings of rays and pieces, and what each pixel shows.
 
+use crate::resolve;
 use bytemuck::{Pod, Zeroable};
 use gpu::groups::{part, whole};
-use gpu::{Device, GpuError, Output, Targets};
+use gpu::{Device, GpuError, Targets};
 use pipeline::Program;
 use scene::Viewport;
 use wgpu::BufferUsages;
@@ -60,14 +61,6 @@ pub struct Shared {
     pub layout: wgpu::BindGroupLayout,
 }
 
-/// Binding of the first target of an output.
-pub fn first_target(output: Output) -> u32 {
-    match output {
-        Output::GBuffer => 0,
-        Output::Shaded => 4,
-    }
-}
-
 /// Buffers and groups of one picture.
 pub struct Picture {
     /// Pieces, hulls, and what follows; the batch by a dynamic offset.
@@ -118,8 +111,7 @@ impl Picture {
             let buffers = whole([&shared.pieces, &shared.hulls, &words, &meetings]);
             let batch = part(&batches, u64::from(BATCH_STRIDE));
             let group = device.group("pieces", &shared.layout, buffers.chain([(4, batch)]));
-            let views = targets.colour_views.iter().map(wgpu::BindingResource::TextureView);
-            (group, device.group("targets", layout, (first_target(targets.output)..).zip(views)))
+            (group, resolve::group(device, layout, targets))
         })?;
         Ok(Self { group, targets, words, capacity, viewport })
     }

@@ -1,4 +1,4 @@
-// What is seen becomes what is written: the program is run at a face's parameters, once a pixel, whoever found them.
+// What is seen becomes what is written, by compute kernels: once a pixel, whoever found it.
 // Uses fragment.wgsl output.wgsl
 
 @group(2) @binding(0) var identity_target: texture_storage_2d<rgba32uint, write>;
@@ -8,16 +8,15 @@
 @group(2) @binding(4) var colour_target: texture_storage_2d<rgba8unorm, write>;
 
 // What a pixel's G-buffer holds.
-fn write_gbuffer(pixel: vec2<u32>, face: u32, at: Parameters) {
-    let g = gbuffer_output(face, fragment(face, at), vec2<f32>(pixel) + 0.5);
+fn write_gbuffer(pixel: vec2<u32>, face: u32, f: Fragment) {
+    let g = gbuffer_output(face, f, vec2<f32>(pixel) + 0.5);
     textureStore(identity_target, pixel, g.identity);
     textureStore(position_target, pixel, g.position);
     textureStore(normal_target, pixel, g.normal);
     textureStore(shape_target, pixel, g.shape);
 }
 
-// A pixel's colour.
-fn write_shaded(pixel: vec2<u32>, face: u32, at: Parameters) {
-    let f = fragment(face, at);
-    textureStore(colour_target, pixel, shaded_output(face, f, f.position));
+// A pixel's colour, seen at a local position.
+fn write_shaded(pixel: vec2<u32>, face: u32, f: Fragment, local: vec3<f32>) {
+    textureStore(colour_target, pixel, shaded_output(face, f, local));
 }

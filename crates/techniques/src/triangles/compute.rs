@@ -1,0 +1,430 @@
+//! Triangles on the device without its rasterizer: the kernels of `shaders/raster/`, whose coverage, depth and choice of the
+//! nearest triangle have the CPU rasterizer's bits on every adapter.
+
+use crate::resolve;
+use crate::technique::Prepared;
+use crate::triangles::SAMPLE;
+use bytemuck::{Pod, Zeroable};
+use gpu::groups::{READ, UNIFORM, UNIFORM_AT, WRITE, part};
+use gpu::{
+    Atomics, DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets,
+};
+use pipeline::wgsl::Part;
+use pipeline::{Mesh, Program, Vertex};
+use std::collections::HashMap;
+use std::sync::Arc;
+use wgpu::{BufferUsages, ShaderStages, TextureUsages};
+
+/// The kernels, whatever the atomics.
+const ENTRY: Part = Part { file: "raster/entry.wgsl", text: include_str!("../../../../shaders/raster/entry.wgsl") };
+
+/// What they use.
+const CLIP: Part = Part { file: "raster/clip.wgsl", text: include_str!("../../../../shaders/raster/clip.wgsl") };
+const SETUP: Part = Part { file: "raster/setup.wgsl", text: include_str!("../../../../shaders/raster/setup.wgsl") };
+const STRICT: Part = Part { file: "raster/strict.wgsl", text: include_str!("../../../../shaders/raster/strict.wgsl") };
+
+/// Who is nearest, by atomics of 64 bits or of 32: one file's place.
+const NEAREST_64: Part =
+    Part { file: "raster/nearest.wgsl", text: include_str!("../../../../shaders/raster/nearest64.wgsl") };
+const NEAREST_32: Part =
+    Part { file: "raster/nearest.wgsl", text: include_str!("../../../../shaders/raster/nearest32.wgsl") };
+
+/// The parts of a program by atomics of 64 bits.
+const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, STRICT, NEAREST_64, SAMPLE, resolve::PART];
+
+/// The same by atomics of 32 bits.
+const PARTS_32: &[Part] = &[ENTRY, CLIP, SETUP, STRICT, NEAREST_32, SAMPLE, resolve::PART];
+
+/// Threads of a workgroup, and the side of a tile, in `shaders/raster/entry.wgsl`.
+const WORKGROUP: u32 = 64;
+const TILE: u32 = 8;
+
+/// Workgroups in one dimension of a dispatch: what WebGPU promises.
+const ROW: u32 = 65_535;
+
+/// Workgroups that share triangles of unknown number: enough to fill the largest chips, and soon done where there are none.
+const SHARING: u32 = 2048;
+
+/// Distance of the calls in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
+const CALL_STRIDE: u32 = 256;
+
+/// Counts a call and round: large triangles, and cut ones.
+const COUNTS: usize = 2;
+
+/// `Call` in `shaders/raster/entry.wgsl`, filled up to [`CALL_STRIDE`].
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Call {
+    first: u32,
+    count: u32,
+    width: u32,
+    height: u32,
+    indices: u32,
+    vertices: u32,
+    counts: u32,
+    waiting: u32,
+    padding: [u32; 56],
+}
+
+/// An entry point; those that cover are run in one round or two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Kernel {
+    PlaceCorners,
+    CoverSmall { round: usize },
+    CoverLarge { round: usize },
+    CoverCut { round: usize },
+    Resolve(Output),
+}
+
+impl Kernel {
+    fn entry(self) -> &'static str {
+        match self {
+            Kernel::PlaceCorners => "place_corners",
+            Kernel::CoverSmall { .. } => "cover_small",
+            Kernel::CoverLarge { .. } => "cover_large",
+            Kernel::CoverCut { .. } => "cover_cut",
+            Kernel::Resolve(Output::GBuffer) => "resolve_gbuffer",
+            Kernel::Resolve(Output::Shaded) => "resolve_shaded",
+        }
+    }
+
+    fn is_second(self) -> bool {
+        use Kernel::{CoverCut, CoverLarge, CoverSmall};
+        matches!(self, CoverSmall { round: 1 } | CoverLarge { round: 1 } | CoverCut { round: 1 })
+    }
+
+    fn that_cover(atomics: Atomics) -> impl Iterator<Item = Kernel> {
+        (0..rounds(atomics))
+            .flat_map(|round| [Kernel::CoverSmall { round }, Kernel::CoverLarge { round }, Kernel::CoverCut { round }])
+    }
+}
+
+/// How often triangles are gone through: atomics of 32 bits find the nearest order first, and then who has it.
+fn rounds(atomics: Atomics) -> usize {
+    match atomics {
+        Atomics::Bits64 => 1,
+        Atomics::Bits32 => 2,
+    }
+}
+
+/// The triangles of a technique, drawn by kernels.
+///
+/// They are those of the picture that the technique was prepared for, wherever it chooses others for each frame.
+pub struct ByCompute {
+    prepared: Arc<dyn Prepared>,
+    atomics: Atomics,
+}
+
+impl ByCompute {
+    /// What is prepared, drawn by kernels with these atomics; `None` where it has no triangles.
+    pub fn new(prepared: Arc<dyn Prepared>, atomics: Atomics) -> Option<Self> {
+        prepared.mesh()?;
+        Some(Self { prepared, atomics })
+    }
+
+    fn mesh(&self) -> &Mesh {
+        self.prepared.mesh().expect("looked for in `new`")
+    }
+}
+
+impl Drawable for ByCompute {
+    fn technique(&self) -> &'static str {
+        self.prepared.technique()
+    }
+
+    fn parts(&self) -> &'static [Part] {
+        match self.atomics {
+            Atomics::Bits64 => PARTS_64,
+            Atomics::Bits32 => PARTS_32,
+        }
+    }
+
+    fn stages(&self) -> ShaderStages {
+        ShaderStages::COMPUTE
+    }
+
+    fn pass(&self, device: &Device, scene: &SceneBuffers, depth: DepthOrder) -> Result<Box<dyn Pass>, GpuError> {
+        let fed = Fed::new(device, self.mesh(), rounds(self.atomics))?;
+        let zeros = device.buffer("zeros", BufferUsages::UNIFORM, &[])?;
+        let (layout, cover_layout, resolve_layouts) = device.guarded("setting up", || {
+            let bindings = (0..).zip([READ, WRITE, WRITE, WRITE, UNIFORM_AT, UNIFORM]);
+            let layout = device.group_layout("triangles", ShaderStages::COMPUTE, bindings);
+            let cover_layout = device.pipeline_layout("triangles", &[Some(&scene.layouts.scene), Some(&layout)]);
+            let resolve_layouts = [Output::GBuffer, Output::Shaded].map(|output| {
+                let targets = resolve::layout(device, output);
+                let groups = [Some(&scene.layouts.scene), Some(&layout), Some(&targets)];
+                let pipeline = device.pipeline_layout("triangles", &groups);
+                (output, (targets, pipeline))
+            });
+            (layout, cover_layout, HashMap::from(resolve_layouts))
+        })?;
+        let (technique, atomics) = (self.technique(), self.atomics);
+        let pipelines = HashMap::new();
+        Ok(Box::new(Kernels {
+            technique,
+            atomics,
+            depth,
+            fed,
+            zeros,
+            layout,
+            cover_layout,
+            resolve_layouts,
+            pipelines,
+        }))
+    }
+}
+
+/// Triangles on the device.
+#[derive(Clone)]
+struct Fed {
+    /// Vertices, then indices.
+    mesh: wgpu::Buffer,
+    corners: wgpu::Buffer,
+    queue: wgpu::Buffer,
+    /// Triangles of each program: the first, and how many.
+    batches: Vec<(Program, [u32; 2])>,
+    vertices: u32,
+    rounds: usize,
+}
+
+impl Fed {
+    fn new(device: &Device, mesh: &Mesh, rounds: usize) -> Result<Self, GpuError> {
+        let vertices = bytemuck::cast_slice::<Vertex, u8>(&mesh.vertices);
+        let words = [vertices, bytemuck::cast_slice(&mesh.indices)].concat();
+        let triangles = |batch: &pipeline::Batch| (batch.program, [batch.first / 3, batch.count / 3]);
+        let batches: Vec<_> = mesh.batches.iter().filter(|batch| batch.count > 0).map(triangles).collect();
+        let queue = 4 * (COUNTS * rounds * batches.len() + mesh.triangles()).max(1) as u64;
+        Ok(Self {
+            mesh: device.storage("vertices and indices", &words)?,
+            corners: device.empty("corners in the picture", 16 * mesh.vertices.len().max(1) as u64)?,
+            queue: device.empty("triangles that wait", queue)?,
+            batches,
+            vertices: mesh.vertices.len() as u32,
+            rounds,
+        })
+    }
+
+    /// Bytes of the counts, at the queue's start.
+    fn counts(&self) -> u64 {
+        4 * (COUNTS * self.rounds * self.batches.len()) as u64
+    }
+
+    /// A call a batch and round.
+    fn calls(&self, targets: &Targets) -> Vec<Call> {
+        let all_counts = COUNTS * self.rounds * self.batches.len();
+        let call = |(index, &(_, [first, count])): (usize, &(Program, [u32; 2])), round: usize| Call {
+            first,
+            count,
+            width: targets.viewport.width() as u32,
+            height: targets.viewport.height() as u32,
+            indices: self.vertices * (size_of::<Vertex>() / 4) as u32,
+            vertices: self.vertices,
+            counts: (COUNTS * (round * self.batches.len() + index)) as u32,
+            waiting: all_counts as u32 + first,
+            padding: [0; 56],
+        };
+        (0..self.rounds)
+            .flat_map(|round| self.batches.iter().enumerate().map(move |batch| call(batch, round)))
+            .collect()
+    }
+}
+
+/// The pass.
+struct Kernels {
+    technique: &'static str,
+    atomics: Atomics,
+    depth: DepthOrder,
+    fed: Fed,
+    zeros: wgpu::Buffer,
+    layout: wgpu::BindGroupLayout,
+    /// Of the kernels that write no target.
+    cover_layout: wgpu::PipelineLayout,
+    /// Group and pipeline layout of the kernels that write the targets of an output.
+    resolve_layouts: HashMap<Output, (wgpu::BindGroupLayout, wgpu::PipelineLayout)>,
+    /// Made when first needed: a driver may take seconds to compile one.
+    pipelines: HashMap<(Program, Kernel), wgpu::ComputePipeline>,
+}
+
+impl Kernels {
+    fn pipeline(
+        &self,
+        device: &Device,
+        program: Program,
+        module: &wgpu::ShaderModule,
+        kernel: Kernel,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        let layout = match kernel {
+            Kernel::Resolve(output) => &self.resolve_layouts[&output].1,
+            _ => &self.cover_layout,
+        };
+        let of_flag = |flag: bool| f64::from(u8::from(flag));
+        let mut constants = vec![("FARTHEST", of_flag(self.depth == DepthOrder::Farthest))];
+        if self.atomics == Atomics::Bits32 {
+            constants.push(("SECOND_ROUND", of_flag(kernel.is_second())));
+        }
+        device.kernel(layout, (program, module), kernel.entry(), &constants)
+    }
+}
+
+impl Pass for Kernels {
+    fn usage(&self) -> TextureUsages {
+        TextureUsages::STORAGE_BINDING
+    }
+
+    fn bytes(&self) -> u64 {
+        self.fed.mesh.size() + self.fed.corners.size() + self.fed.queue.size()
+    }
+
+    fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
+        let kernels: Vec<_> =
+            Kernel::that_cover(self.atomics).chain([Kernel::PlaceCorners, Kernel::Resolve(output)]).collect();
+        for (&program, module) in modules {
+            for &kernel in &kernels {
+                if !self.pipelines.contains_key(&(program, kernel)) {
+                    let pipeline = self.pipeline(device, program, module, kernel)?;
+                    self.pipelines.insert((program, kernel), pipeline);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn frame(&self, device: &Device, targets: &Targets) -> Result<Box<dyn Frame>, GpuError> {
+        let seen = device.empty("who is seen", 8 * targets.viewport.pixels() as u64)?;
+        let mut calls = self.fed.calls(targets);
+        if calls.is_empty() {
+            calls.push(Zeroable::zeroed());
+        }
+        let calls = device.buffer("calls", BufferUsages::UNIFORM, bytemuck::cast_slice(&calls))?;
+        let (group, targets) = device.guarded("setting up", || {
+            let Fed { mesh, corners, queue, .. } = &self.fed;
+            let buffers = gpu::groups::whole([mesh, corners, &seen, queue]);
+            let call = part(&calls, u64::from(CALL_STRIDE));
+            let resources = buffers.chain([(4, call), (5, self.zeros.as_entire_binding())]);
+            let group = device.group("triangles", &self.layout, resources);
+            (group, resolve::group(device, &self.resolve_layouts[&targets.output].0, targets))
+        })?;
+        let (atomics, fed, pipelines) = (self.atomics, self.fed.clone(), self.pipelines.clone());
+        Ok(Box::new(Covered { atomics, fed, pipelines, seen, group, targets }))
+    }
+
+    fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
+        let drawn = drawn.of::<ByCompute>(self.technique)?;
+        self.fed = Fed::new(device, drawn.mesh(), self.fed.rounds)?;
+        Ok(())
+    }
+
+    /// Corners alone: the triangles are the same.
+    fn write_changes(&mut self, device: &Device, before: &dyn Drawable, after: &dyn Drawable) -> Result<u64, GpuError> {
+        let (before, after) = (before.of::<ByCompute>(self.technique)?, after.of::<ByCompute>(self.technique)?);
+        let [before, after] = [before, after].map(|of| bytemuck::cast_slice(&of.mesh().vertices));
+        device.write_changes("vertices", &self.fed.mesh, before, after)
+    }
+}
+
+/// One picture of the triangles.
+struct Covered {
+    atomics: Atomics,
+    fed: Fed,
+    pipelines: HashMap<(Program, Kernel), wgpu::ComputePipeline>,
+    seen: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    targets: wgpu::BindGroup,
+}
+
+impl Frame for Covered {
+    fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &SceneBuffers,
+        targets: &Targets,
+        stamps: Option<Stamps<'_>>,
+    ) {
+        drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("clear"),
+            color_attachments: &targets.cleared(),
+            timestamp_writes: stamps.map(|Stamps { set, start }| wgpu::RenderPassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: Some(start),
+                end_of_pass_write_index: None,
+            }),
+            ..Default::default()
+        }));
+        encoder.clear_buffer(&self.seen, 0, None);
+        if self.fed.counts() > 0 {
+            encoder.clear_buffer(&self.fed.queue, 0, Some(self.fed.counts()));
+        }
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("triangles"),
+            timestamp_writes: stamps.map(|Stamps { set, start }| wgpu::ComputePassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: None,
+                end_of_pass_write_index: Some(start + 1),
+            }),
+        });
+        pass.set_bind_group(0, &scene.group, &[]);
+        pass.set_bind_group(2, &self.targets, &[]);
+        // A batch of a program that no face has shows nothing of this scene.
+        let batches: Vec<_> = (0..)
+            .zip(&self.fed.batches)
+            .filter(|(_, (program, _))| self.pipelines.contains_key(&(*program, Kernel::PlaceCorners)))
+            .collect();
+        let mut run = |kernel: Kernel, call: usize, program: Program, [x, y]: [u32; 2]| {
+            pass.set_pipeline(&self.pipelines[&(program, kernel)]);
+            pass.set_bind_group(1, &self.group, &[call as u32 * CALL_STRIDE]);
+            pass.dispatch_workgroups(x, y, 1);
+        };
+        if let Some(&(index, &(program, _))) = batches.first() {
+            run(Kernel::PlaceCorners, index, program, grid(self.fed.vertices));
+        }
+        for kernel in Kernel::that_cover(self.atomics) {
+            for &(index, &(program, [_, count])) in &batches {
+                let size = match kernel {
+                    Kernel::CoverSmall { .. } => grid(count),
+                    _ => [SHARING, 1],
+                };
+                run(kernel, index + usize::from(kernel.is_second()) * self.fed.batches.len(), program, size);
+            }
+        }
+        let side = |pixels: usize| (pixels as u32).div_ceil(TILE);
+        let tiles = [side(targets.viewport.width()), side(targets.viewport.height())];
+        for &(index, &(program, _)) in &batches {
+            run(Kernel::Resolve(targets.output), index, program, tiles);
+        }
+    }
+}
+
+/// Workgroups for so many threads, in rows of equal length.
+fn grid(threads: u32) -> [u32; 2] {
+    let groups = threads.div_ceil(WORKGROUP);
+    [groups.min(ROW), groups.div_ceil(ROW)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::{Expression, Literal};
+    use pipeline::TrimMethod;
+    use pipeline::wgsl::{self, Variant};
+
+    #[test]
+    fn records_and_workgroups_are_those_of_the_shader() {
+        for parts in [PARTS_64, PARTS_32] {
+            let (program, trims) = (Program::Degree(3), TrimMethod::Whole);
+            let variant = Variant { parts, program, curvature: false, vertex_normals: false, trims };
+            let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();
+            let call = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("Call")).unwrap().1;
+            let naga::TypeInner::Struct { members, .. } = &call.inner else { panic!("Call is no struct") };
+            assert_eq!(members.last().unwrap().offset as usize, std::mem::offset_of!(Call, waiting));
+            let value = |name: &str| {
+                let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
+                module.global_expressions[constant.init].clone()
+            };
+            let vertex = (size_of::<Vertex>() / 4) as u32;
+            for (name, expected) in [("WORKGROUP", WORKGROUP), ("TILE", TILE), ("VERTEX", vertex)] {
+                assert_eq!(value(name), Expression::Literal(Literal::U32(expected)), "{name}");
+            }
+        }
+        assert_eq!(size_of::<Call>(), CALL_STRIDE as usize);
+    }
+}

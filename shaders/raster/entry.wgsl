@@ -1,0 +1,322 @@
+// Triangles without a rasterizer: compute kernels place corners, find who covers each pixel, and run the program there once. They
+// run in the order in which they stand here. Host: crates/techniques/src/triangles/compute.rs.
+// Uses layout.wgsl fragment.wgsl triangles.wgsl resolve.wgsl raster/setup.wgsl raster/clip.wgsl raster/nearest.wgsl
+
+const WORKGROUP: u32 = 64u;
+// Pixels of a triangle's box that one thread looks through at most.
+const SMALL: u32 = 96u;
+// Side of the square of pixels that a workgroup resolves.
+const TILE: u32 = 8u;
+// Words of a vertex: position, (u, v), face, spans, normal, and the face whose coordinates the position has.
+const VERTEX: u32 = 12u;
+
+// A fault, for tests of the comparer.
+override FARTHEST: bool = false;
+
+// The triangles of one program.
+struct Call {
+    first: u32,
+    count: u32,
+    width: u32,
+    height: u32,
+    // Where the indices start in `mesh`, and how many vertices there are before them.
+    indices: u32,
+    vertices: u32,
+    // Where the counts of large and of cut triangles stand in `queue`, and where their numbers start.
+    counts: u32,
+    waiting: u32,
+}
+
+// Vertices, then three indices a triangle.
+@group(1) @binding(0) var<storage, read> mesh: array<u32>;
+// A vertex: snapped x and y, the bits of depth and of 1 / w.
+@group(1) @binding(1) var<storage, read_write> corners: array<vec4<u32>>;
+// Counts, then triangles that wait: large ones from the front on, cut ones from the back.
+@group(1) @binding(3) var<storage, read_write> queue: array<atomic<u32>>;
+@group(1) @binding(4) var<uniform> call: Call;
+
+// The place of a thread among all of a dispatch that may be more than one row of workgroups.
+fn place_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
+    return id.y * groups.x * WORKGROUP + id.x;
+}
+
+fn number_of(vertex: u32, word: u32) -> f32 {
+    return bitcast<f32>(mesh[vertex * VERTEX + word]);
+}
+
+fn position_of(vertex: u32) -> vec3<f32> {
+    return vec3<f32>(number_of(vertex, 0u), number_of(vertex, 1u), number_of(vertex, 2u));
+}
+
+fn clip_of(vertex: u32) -> vec4<f32> {
+    return clip_position(views[mesh[vertex * VERTEX + 11u]], position_of(vertex));
+}
+
+fn half_size() -> vec2<f32> {
+    return vec2<f32>(f32(call.width), f32(call.height)) * 0.5;
+}
+
+fn vertices_of(triangle: u32) -> vec3<u32> {
+    let at = call.indices + 3u * triangle;
+    return vec3<u32>(mesh[at], mesh[at + 1u], mesh[at + 2u]);
+}
+
+// A thread a vertex.
+@compute @workgroup_size(WORKGROUP)
+fn place_corners(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let vertex = place_of(id, groups);
+    if (vertex >= call.vertices) {
+        return;
+    }
+    let clip = clip_of(vertex);
+    var corner: Corner;
+    if (is_inside(clip)) {
+        corner = corner_of(clip, half_size());
+    }
+    corners[vertex] = vec4<u32>(bitcast<vec2<u32>>(corner.at), bitcast<u32>(corner.depth), bitcast<u32>(corner.inverse_w));
+}
+
+fn corners_of(vertices: vec3<u32>) -> array<Corner, 3> {
+    var placed: array<Corner, 3>;
+    for (var i = 0u; i < 3u; i++) {
+        let c = corners[vertices[i]];
+        placed[i] = Corner(bitcast<vec2<i32>>(c.xy), bitcast<f32>(c.z), bitcast<f32>(c.w));
+    }
+    return placed;
+}
+
+// Whether a triangle must be cut before it is drawn.
+fn is_cut(placed: array<Corner, 3>) -> bool {
+    return placed[0].inverse_w == 0.0 || placed[1].inverse_w == 0.0 || placed[2].inverse_w == 0.0;
+}
+
+fn size_in_pixels() -> vec2<i32> {
+    return vec2<i32>(i32(call.width), i32(call.height));
+}
+
+fn pixels_of(t: Flat) -> u32 {
+    return u32(t.end.x - t.first.x) * u32(t.end.y - t.first.y);
+}
+
+// A thread a triangle: the small ones are drawn, and all others wait.
+@compute @workgroup_size(WORKGROUP)
+fn cover_small(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let index = place_of(id, groups);
+    if (index >= call.count) {
+        return;
+    }
+    let triangle = call.first + index;
+    let placed = corners_of(vertices_of(triangle));
+    if (is_cut(placed)) {
+        let slot = atomicAdd(&queue[call.counts + 1u], 1u);
+        atomicStore(&queue[call.waiting + call.count - 1u - slot], triangle);
+        return;
+    }
+    let t = set_up(placed, size_in_pixels());
+    if (!t.is_seen) {
+        return;
+    }
+    if (!t.is_narrow || pixels_of(t) > SMALL) {
+        let slot = atomicAdd(&queue[call.counts], 1u);
+        atomicStore(&queue[call.waiting + slot], triangle);
+        return;
+    }
+    for (var y = t.first.y; y < t.end.y; y++) {
+        for (var x = t.first.x; x < t.end.x; x++) {
+            cover(t, WHOLE, triangle, vec2<i32>(x, y));
+        }
+    }
+}
+
+// However many large triangles there are, they share the workgroups.
+@compute @workgroup_size(WORKGROUP)
+fn cover_large(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(num_workgroups) groups: vec3<u32>,
+) {
+    let count = atomicLoad(&queue[call.counts]);
+    if (count == 0u) {
+        return;
+    }
+    let shares = max(groups.x / count, 1u);
+    for (var i = group.x; i < count * shares; i += groups.x) {
+        let triangle = atomicLoad(&queue[call.waiting + i / shares]);
+        let t = set_up(corners_of(vertices_of(triangle)), size_in_pixels());
+        cover_shared(t, WHOLE, triangle, (i % shares) * WORKGROUP + lane, shares * WORKGROUP);
+    }
+}
+
+// The same of triangles that reach beyond the clip volume or the guard band, piece by piece.
+@compute @workgroup_size(WORKGROUP)
+fn cover_cut(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(num_workgroups) groups: vec3<u32>,
+) {
+    let count = atomicLoad(&queue[call.counts + 1u]);
+    if (count == 0u) {
+        return;
+    }
+    let shares = max(groups.x / count, 1u);
+    for (var i = group.x; i < count * shares; i += groups.x) {
+        let triangle = atomicLoad(&queue[call.waiting + call.count - 1u - i / shares]);
+        let polygon = polygon_of(triangle);
+        for (var k = 2u; k < polygon.count; k++) {
+            let piece = piece_of(polygon, k);
+            if (piece.t.is_seen) {
+                cover_shared(piece.t, piece.share, triangle, (i % shares) * WORKGROUP + lane, shares * WORKGROUP);
+            }
+        }
+    }
+}
+
+// Every `stride`-th pixel of a triangle's box.
+fn cover_shared(t: Flat, share: mat3x3<f32>, triangle: u32, start: u32, stride: u32) {
+    let across = u32(t.end.x - t.first.x);
+    for (var k = start; k < pixels_of(t); k += stride) {
+        cover(t, share, triangle, t.first + vec2<i32>(i32(k % across), i32(k / across)));
+    }
+}
+
+// What the corners of a triangle that is not cut carry of its own.
+const WHOLE: mat3x3<f32> = mat3x3<f32>(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+
+// A part of a cut triangle: what each of its corners carries of the whole one's.
+struct Piece {
+    t: Flat,
+    share: mat3x3<f32>,
+}
+
+fn polygon_of(triangle: u32) -> Polygon {
+    let vertices = vertices_of(triangle);
+    return clipped(array<vec4<f32>, 3>(clip_of(vertices.x), clip_of(vertices.y), clip_of(vertices.z)));
+}
+
+// Of the fan of pieces, the one that ends with corner k.
+fn piece_of(polygon: Polygon, k: u32) -> Piece {
+    var polygon_at = polygon;
+    var placed: array<Corner, 3>;
+    var piece: Piece;
+    for (var i = 0u; i < 3u; i++) {
+        let corner = polygon_at.corners[select(k - 2u + i, 0u, i == 0u)];
+        placed[i] = corner_of(corner.clip, half_size());
+        piece.share[i] = corner.share;
+    }
+    if (!is_cut(placed)) {
+        piece.t = set_up(placed, size_in_pixels());
+    }
+    return piece;
+}
+
+// Offers a triangle to a pixel if it covers its centre.
+fn cover(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) {
+    let values = values_at(t, pixel);
+    if (!values.covered) {
+        return;
+    }
+    let order = order_of(depth_at(t, values.rounded));
+    let index = u32(pixel.y) * call.width + u32(pixel.x);
+    if (order == 0u || !is_wanted(index, order)) {
+        return;
+    }
+    if (TRIMMED && !is_face_there(triangle, share * shares_at(t, values.rounded), pixel)) {
+        return;
+    }
+    offer(index, order, triangle);
+}
+
+// Greater is nearer. The bits of floats from 0 to 1 stand in their order; 0 is the depth of a cleared picture.
+fn order_of(depth: f32) -> u32 {
+    let bits = bitcast<u32>(depth) & 0x7fffffffu;
+    return select(bits, select(~bits, 0u, bits == 0u), FARTHEST);
+}
+
+// Whether the face of a triangle is there.
+fn is_face_there(triangle: u32, shares: vec3<f32>, pixel: vec2<i32>) -> bool {
+    let in = sample_of(triangle, shares, pixel);
+    if ((faces[in.face].flags & BOUNDED) == 0u) {
+        return true;
+    }
+    return shown(in).is_drawn;
+}
+
+fn sample_of(triangle: u32, shares: vec3<f32>, pixel: vec2<i32>) -> Sample {
+    let v = vertices_of(triangle);
+    let face = mesh[v.x * VERTEX + 5u];
+    let span = vec2<u32>(mesh[v.x * VERTEX + 6u], mesh[v.x * VERTEX + 7u]);
+    let uv = vec2<f32>(mixed(v, 3u, shares), mixed(v, 4u, shares));
+    var in: Sample;
+    in.face = face;
+    in.given = Parameters(span, uv);
+    in.at = vec2<f32>(pixel) + 0.5;
+    if (VERTEX_NORMALS) {
+        in.normal = vec3<f32>(mixed(v, 8u, shares), mixed(v, 9u, shares), mixed(v, 10u, shares));
+    }
+    in.local = vec3<f32>(mixed(v, 0u, shares), mixed(v, 1u, shares), mixed(v, 2u, shares));
+    return in;
+}
+
+// A number that the corners carry, from the first one's on: equal ones give that exactly.
+fn mixed(v: vec3<u32>, word: u32, shares: vec3<f32>) -> f32 {
+    let a = number_of(v.x, word);
+    return a + (shares.y * (number_of(v.y, word) - a) + shares.z * (number_of(v.z, word) - a));
+}
+
+// What a pixel sees, if that is of this call.
+struct Seen {
+    is_there: bool,
+    in: Sample,
+}
+
+fn seen_at(at: vec2<u32>) -> Seen {
+    var found: Seen;
+    if (at.x >= call.width || at.y >= call.height) {
+        return found;
+    }
+    let index = at.y * call.width + at.x;
+    if (order_at(index) == 0u) {
+        return found;
+    }
+    let triangle = triangle_at(index);
+    // A triangle before the first wraps around to one far behind the last.
+    if (triangle - call.first >= call.count) {
+        return found;
+    }
+    let pixel = vec2<i32>(at);
+    let placed = corners_of(vertices_of(triangle));
+    var shares: vec3<f32>;
+    if (is_cut(placed)) {
+        let polygon = polygon_of(triangle);
+        for (var k = 2u; k < polygon.count; k++) {
+            let piece = piece_of(polygon, k);
+            let values = values_at(piece.t, pixel);
+            if (piece.t.is_seen && values.covered) {
+                shares = piece.share * shares_at(piece.t, values.rounded);
+            }
+        }
+    } else {
+        let t = set_up(placed, size_in_pixels());
+        shares = shares_at(t, values_at(t, pixel).rounded);
+    }
+    found.is_there = true;
+    found.in = sample_of(triangle, shares, pixel);
+    return found;
+}
+
+// A thread a pixel.
+@compute @workgroup_size(TILE, TILE)
+fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
+    let found = seen_at(id.xy);
+    if (found.is_there) {
+        write_gbuffer(id.xy, found.in.face, recorded(found.in).f);
+    }
+}
+
+@compute @workgroup_size(TILE, TILE)
+fn resolve_shaded(@builtin(global_invocation_id) id: vec3<u32>) {
+    let found = seen_at(id.xy);
+    if (found.is_there) {
+        write_shaded(id.xy, found.in.face, coloured(found.in).f, found.in.local);
+    }
+}

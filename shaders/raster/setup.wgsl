@@ -1,0 +1,152 @@
+// Triangle setup: snapped corners, edge functions for coverage, depth, and what interpolation takes. Twin of
+// crates/raster/src/{vertex,setup}.rs: what decides coverage and depth has the same bits.
+// Uses layout.wgsl raster/strict.wgsl
+
+const SUBPIXEL_ONE: f32 = 256.0;
+const PIXEL: i32 = 256;
+const HALF_PIXEL: i32 = 128;
+// Where no corner of a triangle is farther from another than this along an axis, edge functions fit 32 bits.
+const NARROW: i32 = 16640;
+
+struct Corner {
+    // Snapped: in 1/256 of a pixel.
+    at: vec2<i32>,
+    // z / w.
+    depth: f32,
+    // 0 where the corner is outside the clip volume or the guard band.
+    inverse_w: f32,
+}
+
+// A triangle in the picture.
+struct Flat {
+    corners: array<Corner, 3>,
+    // Whether corners run counterclockwise, y down.
+    turned: bool,
+    is_narrow: bool,
+    // The pixels whose centres are in its box: the first, and one beyond the last.
+    first: vec2<i32>,
+    end: vec2<i32>,
+    // How depth grows with the values of the edges opposite to the second and the third corner.
+    scale: f32,
+    gain: vec2<f32>,
+    // Whether it has any area and any pixel.
+    is_seen: bool,
+}
+
+// Clip coordinates of a local position.
+fn clip_position(view: View, position: vec3<f32>) -> vec4<f32> {
+    let m = view.clip_from_local;
+    var clip: vec4<f32>;
+    for (var i = 0u; i < 4u; i++) {
+        let xy = sum(product(m[0][i], position.x), product(m[1][i], position.y));
+        clip[i] = sum(sum(xy, product(m[2][i], position.z)), m[3][i]);
+    }
+    return clip;
+}
+
+// The division by w and the map to the picture.
+fn corner_of(clip: vec4<f32>, half: vec2<f32>) -> Corner {
+    if (!(clip.w > 0.0)) {
+        return Corner();
+    }
+    let x = sum(half.x, product(half.x, quotient(clip.x, clip.w)));
+    let y = difference(half.y, product(half.y, quotient(clip.y, clip.w)));
+    return Corner(vec2<i32>(round(vec2<f32>(x, y) * SUBPIXEL_ONE)), quotient(clip.z, clip.w), 1.0 / clip.w);
+}
+
+fn set_up(corners: array<Corner, 3>, size: vec2<i32>) -> Flat {
+    var t: Flat;
+    t.corners = corners;
+    let low = min(min(corners[0].at, corners[1].at), corners[2].at);
+    let high = max(max(corners[0].at, corners[1].at), corners[2].at);
+    t.is_narrow = all(high - low <= vec2<i32>(NARROW));
+    t.first = max((low - HALF_PIXEL + PIXEL - 1) >> vec2<u32>(8u), vec2<i32>(0));
+    t.end = min(((high - HALF_PIXEL) >> vec2<u32>(8u)) + 1, size);
+    if (any(t.first >= t.end)) {
+        return t;
+    }
+    let b = corners[1].at - corners[0].at;
+    let c = corners[2].at - corners[0].at;
+    var area = wide_difference(wide_product(b.x, c.y), wide_product(b.y, c.x));
+    t.turned = area.high < 0;
+    if (t.turned) {
+        area = wide_difference(Wide(0, 0u), area);
+    }
+    t.is_seen = area.high != 0 || area.low != 0u;
+    if (t.is_seen) {
+        let whole = rounded(area);
+        // Biased exponents e and 254 − e belong to powers of two whose product is 1.
+        t.scale = bitcast<f32>((254u - (bitcast<u32>(whole) >> 23u)) << 23u);
+        let scaled = whole * t.scale;
+        let first = corners[0].depth;
+        t.gain = vec2<f32>(
+            quotient(difference(corners[1].depth, first), scaled),
+            quotient(difference(corners[2].depth, first), scaled),
+        );
+    }
+    return t;
+}
+
+// The edge opposite to corner i, with the triangle on its positive side: where it starts, and how far it goes.
+fn edge_of(t: Flat, i: u32) -> vec4<i32> {
+    var start = t.corners[(i + 1u) % 3u].at;
+    var end = t.corners[(i + 2u) % 3u].at;
+    if (t.turned) {
+        let swapped = start;
+        start = end;
+        end = swapped;
+    }
+    return vec4<i32>(start, end - start);
+}
+
+// The least value of an edge that counts as covered: 0 on a top or a left edge, else 1.
+fn least_of(delta: vec2<i32>) -> i32 {
+    return select(1, 0, delta.y < 0 || (delta.y == 0 && delta.x > 0));
+}
+
+// What the edges say of a pixel's centre.
+struct Values {
+    covered: bool,
+    // The edges' values, each rounded once.
+    rounded: vec3<f32>,
+}
+
+fn values_at(t: Flat, pixel: vec2<i32>) -> Values {
+    let center = pixel * PIXEL + HALF_PIXEL;
+    var values: Values;
+    values.covered = true;
+    for (var i = 0u; i < 3u; i++) {
+        let edge = edge_of(t, i);
+        let d = center - edge.xy;
+        var value: Wide;
+        if (t.is_narrow) {
+            let narrow = edge.z * d.y - edge.w * d.x;
+            value = Wide(select(0, -1, narrow < 0), u32(narrow));
+        } else {
+            value = wide_difference(wide_product(edge.z, d.y), wide_product(edge.w, d.x));
+        }
+        if (value.high < 0 || (value.high == 0 && value.low < u32(least_of(edge.zw)))) {
+            values.covered = false;
+            return values;
+        }
+        values.rounded[i] = rounded(value);
+    }
+    return values;
+}
+
+// z / w at a pixel's centre that it covers, never beyond the corners' own.
+fn depth_at(t: Flat, values: vec3<f32>) -> f32 {
+    let gained = sum(product(values.y * t.scale, t.gain.x), product(values.z * t.scale, t.gain.y));
+    let depth = sum(t.corners[0].depth, gained);
+    let a = t.corners[0].depth;
+    let b = t.corners[1].depth;
+    let c = t.corners[2].depth;
+    return clamp(depth, min(min(a, b), c), max(max(a, b), c));
+}
+
+// How much of what each corner carries is shown where the edges have these values: shares of 1, in perspective.
+fn shares_at(t: Flat, values: vec3<f32>) -> vec3<f32> {
+    let w = vec3<f32>(t.corners[0].inverse_w, t.corners[1].inverse_w, t.corners[2].inverse_w);
+    let weights = values * (w / max(max(w.x, w.y), w.z));
+    return weights / (weights.x + weights.y + weights.z);
+}

@@ -1,0 +1,156 @@
+//! Suite `paths`: frames of one technique by the GPU's rasterizer and by compute kernels, side by side.
+
+use super::agree::disagreement;
+use crate::cost::{self, Patience};
+use crate::format::Format;
+use crate::stage::{Path, Plan, Stage};
+use crate::{say, terminal};
+use anyhow::{Result, bail};
+use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use scene::{Camera, Viewport};
+use serde::Serialize;
+
+/// Models that are drawn, and at which sizes.
+const DRAWN: [(&str, [usize; 2]); 6] = [
+    ("teapot", [512, 512]),
+    ("spray", [512, 512]),
+    ("spray", [1920, 1080]),
+    ("tea-s5", [1920, 1080]),
+    ("aircraft", [1920, 1080]),
+    ("turbine", [1920, 1080]),
+];
+
+/// The paths, the first of which the others are compared with.
+const PATHS: [(Path, &str); 3] =
+    [(Path::Fragment, "fragment"), (Path::Compute, "compute"), (Path::Compute32, "compute-32")];
+
+/// Seconds that the frames of one line may take in a round.
+const SECONDS: f64 = 0.5;
+
+/// What was measured of a model at a size by a path.
+#[derive(Serialize)]
+struct Line {
+    model: &'static str,
+    size: [usize; 2],
+    triangles: usize,
+    path: &'static str,
+    /// Median of the rounds, each the mean of its frames.
+    frame_ms: f64,
+    /// Median of the rounds' medians, by the device's clock.
+    gpu_ms: Option<f64>,
+    /// The least and the greatest of the rounds, by the device's clock where it has one.
+    spread_ms: [f64; 2],
+    /// By how much the first path takes longer.
+    speedup: f64,
+}
+
+/// Everything, as JSON has it.
+#[derive(Serialize)]
+struct Report {
+    version: u32,
+    adapter: String,
+    driver: String,
+    technique: &'static str,
+    chord_px: f64,
+    rounds: u16,
+    lines: Vec<Line>,
+}
+
+/// Runs the suite.
+///
+/// # Errors
+/// Where the paths' pictures disagree with the CPU rasterizer's, or the technique draws no triangles.
+pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format: Format) -> Result<()> {
+    let mut lines = vec![];
+    let bar = terminal::progress("models", DRAWN.len());
+    for (name, size) in DRAWN {
+        let model = models::builtin(name).expect("built in");
+        for (path, _) in PATHS {
+            if let Some(text) = disagreement(&model, Some(device), Plan { path, ..plan })? {
+                bail!("--path {path:?}: {text}");
+            }
+        }
+        let viewport = Viewport::new(size[0], size[1])?;
+        let camera = Camera::framing(&model, viewport);
+        let stage = Stage::new(&model, camera, viewport, Plan { path: PATHS[1].0, ..plan })?;
+        let mut times = [(); PATHS.len()].map(|()| (vec![], vec![]));
+        let patience = Patience { frames: frames.max(64), seconds: SECONDS };
+        for _ in 0..rounds {
+            for ((path, _), (frame_ms, gpu_ms)) in PATHS.into_iter().zip(&mut times) {
+                let cost = cost::on_gpu(&stage.by_path(path), device, patience)?;
+                frame_ms.push(cost.frame_ms);
+                gpu_ms.extend(cost.gpu_ms);
+            }
+        }
+        let mut measured = vec![];
+        for ((_, path), (mut frame_ms, mut gpu_ms)) in PATHS.into_iter().zip(times) {
+            let frame = median(&mut frame_ms);
+            let (gpu, spread) = match gpu_ms.is_empty() {
+                true => (None, &frame_ms),
+                false => (Some(median(&mut gpu_ms)), &gpu_ms),
+            };
+            let spread_ms = [spread[0], spread[spread.len() - 1]];
+            let triangles = stage.prepared.triangles();
+            measured.push(Line {
+                model: name,
+                size,
+                triangles,
+                path,
+                frame_ms: frame,
+                gpu_ms: gpu,
+                spread_ms,
+                speedup: 1.0,
+            });
+        }
+        let time = |line: &Line| line.gpu_ms.unwrap_or(line.frame_ms);
+        let first = time(&measured[0]);
+        measured.iter_mut().for_each(|line| line.speedup = first / time(line));
+        lines.extend(measured);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let info = device.info();
+    let report = Report {
+        version: 1,
+        adapter: info.name.clone(),
+        driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+        technique: plan.technique.name(),
+        chord_px: plan.chord_px,
+        rounds,
+        lines,
+    };
+    match format {
+        Format::Json => terminal::json(&report),
+        Format::Table => print(&report),
+    }
+}
+
+/// The median; the values are sorted then.
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn print(report: &Report) -> Result<()> {
+    let Report { adapter, driver, technique, chord_px, rounds, .. } = report;
+    say!("gpu: {adapter} ({driver}); technique {technique}, chord error {chord_px} px, {rounds} rounds")?;
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED);
+    table.set_header(["model", "size", "triangles", "path", "ms a frame", "ms on the GPU", "of rounds", "x fragment"]);
+    for line in &report.lines {
+        table.add_row([
+            line.model.to_owned(),
+            format!("{}x{}", line.size[0], line.size[1]),
+            line.triangles.to_string(),
+            line.path.to_owned(),
+            format!("{:.3}", line.frame_ms),
+            line.gpu_ms.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.3}")),
+            format!("{:.3} … {:.3}", line.spread_ms[0], line.spread_ms[1]),
+            format!("{:.2}", line.speedup),
+        ]);
+    }
+    terminal::table(&table)?;
+    say!(
+        "ms a frame: the processor's clock, three frames under way; ms on the GPU: its own clock, from clearing to the last pixel."
+    )
+}
