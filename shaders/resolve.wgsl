@@ -20,3 +20,15 @@ fn write_gbuffer(pixel: vec2<u32>, face: u32, f: Fragment) {
 fn write_shaded(pixel: vec2<u32>, face: u32, f: Fragment, local: vec3<f32>) {
     textureStore(colour_target, pixel, shaded_output(face, f, local));
 }
+
+// A pixel that sees nothing.
+fn clear_gbuffer(pixel: vec2<u32>, nothing: vec4<f32>) {
+    textureStore(identity_target, pixel, vec4<u32>(0u));
+    textureStore(position_target, pixel, nothing);
+    textureStore(normal_target, pixel, nothing);
+    textureStore(shape_target, pixel, nothing);
+}
+
+fn clear_shaded(pixel: vec2<u32>, nothing: vec4<f32>) {
+    textureStore(colour_target, pixel, nothing);
+}

@@ -3,8 +3,11 @@
 // Uses layout.wgsl fragment.wgsl triangles.wgsl resolve.wgsl raster/setup.wgsl raster/clip.wgsl raster/nearest.wgsl
 
 const WORKGROUP: u32 = 64u;
-// Pixels of a triangle's box that one thread looks through at most.
-const SMALL: u32 = 96u;
+// Rows of a triangle, and pixels of its area, that one thread goes through at most.
+const SMALL_ROWS: i32 = 24;
+const SMALL_AREA: f32 = 48.0;
+// Threads that share a row of a triangle that is not small.
+const ALONG: u32 = 8u;
 // Side of the square of pixels that a workgroup resolves.
 const TILE: u32 = 8u;
 // Words of a vertex: position, (u, v), face, spans, normal, and the face whose coordinates the position has.
@@ -25,6 +28,9 @@ struct Call {
     // Where the counts of large and of cut triangles stand in `queue`, and where their numbers start.
     counts: u32,
     waiting: u32,
+    // Whether the call is that which clears pixels that see nothing, and to what.
+    clears: u32,
+    nothing: vec4<f32>,
 }
 
 // Vertices, then three indices a triangle.
@@ -94,10 +100,6 @@ fn size_in_pixels() -> vec2<i32> {
     return vec2<i32>(i32(call.width), i32(call.height));
 }
 
-fn pixels_of(t: Flat) -> u32 {
-    return u32(t.end.x - t.first.x) * u32(t.end.y - t.first.y);
-}
-
 // A thread a triangle: the small ones are drawn, and all others wait.
 @compute @workgroup_size(WORKGROUP)
 fn cover_small(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -116,13 +118,14 @@ fn cover_small(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
     if (!t.is_seen) {
         return;
     }
-    if (!t.is_narrow || pixels_of(t) > SMALL) {
+    if (!t.is_narrow || t.end.y - t.first.y > SMALL_ROWS || t.pixels > SMALL_AREA) {
         let slot = atomicAdd(&queue[call.counts], 1u);
         atomicStore(&queue[call.waiting + slot], triangle);
         return;
     }
     for (var y = t.first.y; y < t.end.y; y++) {
-        for (var x = t.first.x; x < t.end.x; x++) {
+        let columns = columns_of(t, y);
+        for (var x = columns.x; x < columns.y; x++) {
             cover(t, WHOLE, triangle, vec2<i32>(x, y));
         }
     }
@@ -171,11 +174,13 @@ fn cover_cut(
     }
 }
 
-// Every `stride`-th pixel of a triangle's box.
-fn cover_shared(t: Flat, share: mat3x3<f32>, triangle: u32, start: u32, stride: u32) {
-    let across = u32(t.end.x - t.first.x);
-    for (var k = start; k < pixels_of(t); k += stride) {
-        cover(t, share, triangle, t.first + vec2<i32>(i32(k % across), i32(k / across)));
+// The part of thread `k` of `threads`: every so many rows, and there every ALONG-th pixel.
+fn cover_shared(t: Flat, share: mat3x3<f32>, triangle: u32, k: u32, threads: u32) {
+    for (var y = t.first.y + i32(k / ALONG); y < t.end.y; y += i32(threads / ALONG)) {
+        let columns = columns_of(t, y);
+        for (var x = columns.x + i32(k % ALONG); x < columns.y; x += i32(ALONG)) {
+            cover(t, share, triangle, vec2<i32>(x, y));
+        }
     }
 }
 
@@ -266,6 +271,8 @@ fn mixed(v: vec3<u32>, word: u32, shares: vec3<f32>) -> f32 {
 // What a pixel sees, if that is of this call.
 struct Seen {
     is_there: bool,
+    // Nothing is seen, and it is this call that says so.
+    is_cleared: bool,
     in: Sample,
 }
 
@@ -276,6 +283,7 @@ fn seen_at(at: vec2<u32>) -> Seen {
     }
     let index = at.y * call.width + at.x;
     if (order_at(index) == 0u) {
+        found.is_cleared = call.clears != 0u;
         return found;
     }
     let triangle = triangle_at(index);
@@ -310,6 +318,8 @@ fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
     let found = seen_at(id.xy);
     if (found.is_there) {
         write_gbuffer(id.xy, found.in.face, recorded(found.in).f);
+    } else if (found.is_cleared) {
+        clear_gbuffer(id.xy, call.nothing);
     }
 }
 
@@ -318,5 +328,7 @@ fn resolve_shaded(@builtin(global_invocation_id) id: vec3<u32>) {
     let found = seen_at(id.xy);
     if (found.is_there) {
         write_shaded(id.xy, found.in.face, coloured(found.in).f, found.in.local);
+    } else if (found.is_cleared) {
+        clear_shaded(id.xy, call.nothing);
     }
 }

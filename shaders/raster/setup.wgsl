@@ -7,6 +7,8 @@ const PIXEL: i32 = 256;
 const HALF_PIXEL: i32 = 128;
 // Where no corner of a triangle is farther from another than this along an axis, edge functions fit 32 bits.
 const NARROW: i32 = 16640;
+// More than what rounding moves the end of a row by: a quotient of up to 2^14 columns, to 2^-21 of itself.
+const ROUNDING_PX: f32 = 1.0 / 16.0;
 
 struct Corner {
     // Snapped: in 1/256 of a pixel.
@@ -29,6 +31,8 @@ struct Flat {
     // How depth grows with the values of the edges opposite to the second and the third corner.
     scale: f32,
     gain: vec2<f32>,
+    // Its area.
+    pixels: f32,
     // Whether it has any area and any pixel.
     is_seen: bool,
 }
@@ -75,6 +79,7 @@ fn set_up(corners: array<Corner, 3>, size: vec2<i32>) -> Flat {
     t.is_seen = area.high != 0 || area.low != 0u;
     if (t.is_seen) {
         let whole = rounded(area);
+        t.pixels = whole * (0.5 / (SUBPIXEL_ONE * SUBPIXEL_ONE));
         // Biased exponents e and 254 − e belong to powers of two whose product is 1.
         t.scale = bitcast<f32>((254u - (bitcast<u32>(whole) >> 23u)) << 23u);
         let scaled = whole * t.scale;
@@ -104,6 +109,35 @@ fn least_of(delta: vec2<i32>) -> i32 {
     return select(1, 0, delta.y < 0 || (delta.y == 0 && delta.x > 0));
 }
 
+// The value of the edge opposite to corner i at a pixel's centre, from 0 or 1 on where the pixel may be covered.
+fn edge_at(t: Flat, edge: vec4<i32>, pixel: vec2<i32>) -> Wide {
+    let d = pixel * PIXEL + HALF_PIXEL - edge.xy;
+    if (t.is_narrow) {
+        let narrow = edge.z * d.y - edge.w * d.x;
+        return Wide(select(0, -1, narrow < 0), u32(narrow));
+    }
+    return wide_difference(wide_product(edge.z, d.y), wide_product(edge.w, d.x));
+}
+
+// The columns of a row that may be covered: the first, and one beyond the last. Those between are decided exactly.
+fn columns_of(t: Flat, y: i32) -> vec2<i32> {
+    var low = 0.0;
+    var high = f32(t.end.x - t.first.x);
+    for (var i = 0u; i < 3u; i++) {
+        let edge = edge_of(t, i);
+        let value = approximate(edge_at(t, edge, vec2<i32>(t.first.x, y)));
+        let step = -f32(edge.w) * f32(PIXEL);
+        if (step > 0.0) {
+            low = max(low, -value / step - ROUNDING_PX);
+        } else if (step < 0.0) {
+            high = min(high, value / -step + 1.0 + ROUNDING_PX);
+        } else if (value < 0.0) {
+            high = 0.0;
+        }
+    }
+    return vec2<i32>(t.first.x + i32(ceil(low)), t.first.x + i32(floor(max(high, 0.0))));
+}
+
 // What the edges say of a pixel's centre.
 struct Values {
     covered: bool,
@@ -112,19 +146,11 @@ struct Values {
 }
 
 fn values_at(t: Flat, pixel: vec2<i32>) -> Values {
-    let center = pixel * PIXEL + HALF_PIXEL;
     var values: Values;
     values.covered = true;
     for (var i = 0u; i < 3u; i++) {
         let edge = edge_of(t, i);
-        let d = center - edge.xy;
-        var value: Wide;
-        if (t.is_narrow) {
-            let narrow = edge.z * d.y - edge.w * d.x;
-            value = Wide(select(0, -1, narrow < 0), u32(narrow));
-        } else {
-            value = wide_difference(wide_product(edge.z, d.y), wide_product(edge.w, d.x));
-        }
+        let value = edge_at(t, edge, pixel);
         if (value.high < 0 || (value.high == 0 && value.low < u32(least_of(edge.zw)))) {
             values.covered = false;
             return values;

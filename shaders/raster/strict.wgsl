@@ -101,3 +101,8 @@ fn rounded(w: Wide) -> f32 {
     }
     return bitcast<f32>(((150u + shift) << 23u) + (mantissa - 0x800000u));
 }
+
+// A number of either sign, to within 2^-22 of itself.
+fn approximate(w: Wide) -> f32 {
+    return f32(w.high) * 4294967296.0 + f32(w.low);
+}

@@ -29,6 +29,9 @@ pub struct Cost {
     /// The median by the device's own clock; absent where it has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gpu_ms: Option<f64>,
+    /// Medians of the frame's parts by the same clock, by name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts_ms: Vec<(&'static str, f64)>,
     /// What a frame takes of the thread that encodes and submits it, by that thread's clock: what drivers and devices do in
     /// other threads does not count. Absent where no such clock is.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,7 +75,15 @@ pub fn on_cpu(stage: &Stage, patience: Patience) -> Cost {
         frames += 1;
     }
     let frame_ms = 1e3 * clock.elapsed().as_secs_f64() / frames as f64;
-    Cost { frames, frame_ms, gpu_ms: None, processor_ms: None, bytes_uploaded: None, bytes_held: None }
+    Cost {
+        frames,
+        frame_ms,
+        gpu_ms: None,
+        parts_ms: vec![],
+        processor_ms: None,
+        bytes_uploaded: None,
+        bytes_held: None,
+    }
 }
 
 /// Frames of the GPU, shaded by isophotes in the fragment stage, none read back.
@@ -98,15 +109,19 @@ pub fn on_gpu(stage: &Stage, device: &gpu::Device, patience: Patience) -> Result
     let frames = ((patience.seconds / one.wall_s) as usize).min(patience.frames).max(FEWEST_FRAMES);
     let (timing, worked) = draw(frames)?;
     let bytes_held = held().zip(before).map(|(after, before)| after.saturating_sub(before));
-    let gpu_ms = timing.gpu_s.map(|mut seconds| {
+    let median_ms = |mut seconds: Vec<f64>| {
         seconds.sort_by(f64::total_cmp);
         1e3 * seconds[seconds.len() / 2]
-    });
+    };
+    let parts = timing.parts_s.into_iter().filter(|(_, seconds)| !seconds.is_empty());
+    let parts_ms = parts.map(|(name, seconds)| (name, median_ms(seconds))).collect();
+    let gpu_ms = timing.gpu_s.map(median_ms);
     let processor = |(all, one): (f64, f64)| 1e3 * (all - one).max(0.0) / (frames - 1) as f64;
     Ok(Cost {
         frames,
         frame_ms: 1e3 * timing.wall_s / frames as f64,
         gpu_ms,
+        parts_ms,
         processor_ms: worked.zip(around).map(processor),
         bytes_uploaded: Some(size_of_val(&*stage.views) as u64),
         bytes_held,

@@ -76,6 +76,11 @@ pub trait Pass {
 
 /// One picture on the device; frames of it may be drawn one after the other.
 pub trait Frame {
+    /// What of it is timed by itself, in order.
+    fn parts(&self) -> &'static [&'static str] {
+        &["frame"]
+    }
+
     /// Commands that clear the targets and draw.
     fn encode(
         &self,

@@ -2,41 +2,52 @@
 
 use crate::{Device, GpuError};
 
-/// Two timestamps a frame.
+/// Timestamps that WebGPU allows a set.
+const A_SET: usize = 4096;
+
+/// As many timestamps a frame as it has parts, and one more.
 pub(crate) struct Queries {
     set: wgpu::QuerySet,
     frames: usize,
+    stamps: usize,
 }
 
-/// The two timestamps of one frame.
+/// The timestamps of one frame.
 #[derive(Clone, Copy)]
 pub struct Stamps<'a> {
     /// Where they are written.
     pub set: &'a wgpu::QuerySet,
-    /// Index of that of its start; that of its end is the next.
+    /// Index of that of its start; those of the ends of its parts follow.
     pub start: u32,
 }
 
 impl Queries {
-    pub(crate) fn new(device: &Device, frames: usize) -> Result<Self, GpuError> {
+    /// Frames of so many parts that one set has room for.
+    pub(crate) fn frames_a_set(parts: usize) -> usize {
+        A_SET / (parts + 1)
+    }
+
+    pub(crate) fn new(device: &Device, frames: usize, parts: usize) -> Result<Self, GpuError> {
+        let stamps = parts + 1;
         let descriptor = wgpu::QuerySetDescriptor {
             label: Some("frames"),
             ty: wgpu::QueryType::Timestamp,
-            count: 2 * frames as u32,
+            count: (stamps * frames) as u32,
         };
         let set = device.guarded("setting up", || device.wgpu.create_query_set(&descriptor))?;
-        Ok(Self { set, frames })
+        Ok(Self { set, frames, stamps })
     }
 
     /// Those of one frame.
     pub(crate) fn frame(&self, frame: usize) -> Stamps<'_> {
-        Stamps { set: &self.set, start: 2 * frame as u32 }
+        Stamps { set: &self.set, start: (self.stamps * frame) as u32 }
     }
 
-    /// Seconds from the first to the second of each pair.
-    pub(crate) fn read(&self, device: &Device) -> Result<Vec<f64>, GpuError> {
+    /// Seconds of each part of each frame, frame by frame.
+    pub(crate) fn read(&self, device: &Device) -> Result<Vec<Vec<f64>>, GpuError> {
         const READING: &str = "reading timestamps";
-        let mut ticks = vec![[0u64; 2]; self.frames];
+        let mut ticks = vec![0u64; self.stamps * self.frames];
+        let count = ticks.len() as u32;
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut ticks);
         let (buffer, encoder) = device.guarded(READING, || {
             let buffer = device.wgpu.create_buffer(&wgpu::BufferDescriptor {
@@ -46,12 +57,13 @@ impl Queries {
                 mapped_at_creation: false,
             });
             let mut encoder = device.wgpu.create_command_encoder(&Default::default());
-            encoder.resolve_query_set(&self.set, 0..2 * self.frames as u32, &buffer, 0);
+            encoder.resolve_query_set(&self.set, 0..count, &buffer, 0);
             (buffer, encoder)
         })?;
         device.submit(READING, encoder)?;
         device.read_buffer(READING, &buffer, 0, bytes)?;
         let second = f64::from(device.queue.get_timestamp_period()) * 1e-9;
-        Ok(ticks.iter().map(|[start, end]| end.saturating_sub(*start) as f64 * second).collect())
+        let parts = |frame: &[u64]| frame.windows(2).map(|t| t[1].saturating_sub(t[0]) as f64 * second).collect();
+        Ok(ticks.chunks_exact(self.stamps).map(parts).collect())
     }
 }

@@ -22,9 +22,6 @@ const FRAMES_IN_FLIGHT: usize = 3;
 
 const TIMING: &str = "timing frames";
 
-/// Frames timed with one query set, whose size WebGPU bounds at 4096.
-const FRAMES_A_QUERY_SET: usize = 2048;
-
 /// What a renderer's programs compute.
 #[derive(Clone, Copy, Default)]
 pub struct RendererOptions<'f> {
@@ -45,6 +42,8 @@ pub struct Timing {
     pub wall_s: f64,
     /// Seconds of each frame's passes by the device's clock, where it has one.
     pub gpu_s: Option<Vec<f64>>,
+    /// Of these the seconds of each part, by name, where the device has a clock.
+    pub parts_s: Vec<(&'static str, Vec<f64>)>,
 }
 
 impl Timing {
@@ -251,7 +250,7 @@ impl<'a> Renderer<'a> {
     ) -> Result<Timing, GpuError> {
         let Some(first) = frames.first() else {
             let gpu_s = self.device.has_timestamps().then(Vec::new);
-            return Ok(Timing { frames: 0, wall_s: 0.0, gpu_s });
+            return Ok(Timing { frames: 0, wall_s: 0.0, gpu_s, parts_s: vec![] });
         };
         self.buffers.write_shading(self.device, shading)?;
         loop {
@@ -266,11 +265,16 @@ impl<'a> Renderer<'a> {
     }
 
     fn time(&self, frames: &[Vec<View>], targets: &Targets, frame: &dyn Frame) -> Result<Timing, GpuError> {
-        let mut timing =
-            Timing { frames: frames.len(), wall_s: 0.0, gpu_s: self.device.has_timestamps().then(Vec::new) };
-        for chunk in frames.chunks(FRAMES_A_QUERY_SET) {
+        let names = frame.parts();
+        let mut timing = Timing {
+            frames: frames.len(),
+            wall_s: 0.0,
+            gpu_s: self.device.has_timestamps().then(Vec::new),
+            parts_s: names.iter().map(|name| (*name, vec![])).collect(),
+        };
+        for chunk in frames.chunks(Queries::frames_a_set(names.len())) {
             let queries = match timing.gpu_s {
-                Some(_) => Some(Queries::new(self.device, chunk.len())?),
+                Some(_) => Some(Queries::new(self.device, chunk.len(), names.len())?),
                 None => None,
             };
             let start = Instant::now();
@@ -286,7 +290,10 @@ impl<'a> Renderer<'a> {
             self.device.wait(TIMING, None)?;
             timing.wall_s += start.elapsed().as_secs_f64();
             if let (Some(seconds), Some(queries)) = (&mut timing.gpu_s, queries) {
-                seconds.extend(queries.read(self.device)?);
+                for parts in queries.read(self.device)? {
+                    seconds.push(parts.iter().sum());
+                    timing.parts_s.iter_mut().zip(parts).for_each(|((_, all), part)| all.push(part));
+                }
             }
         }
         Ok(timing)

@@ -28,8 +28,8 @@ impl Output {
         }
     }
 
-    /// What the targets hold where nothing is drawn.
-    fn cleared(self, target: usize) -> wgpu::Color {
+    /// What a target holds where nothing is drawn.
+    pub fn cleared(self, target: usize) -> wgpu::Color {
         let all = |x: f64| wgpu::Color { r: x, g: x, b: x, a: x };
         match (self, target) {
             (Output::GBuffer, 0) => all(0.0),

@@ -40,6 +40,8 @@ struct Line {
     gpu_ms: Option<f64>,
     /// The least and the greatest of the rounds, by the device's clock where it has one.
     spread_ms: [f64; 2],
+    /// Medians of the frame's parts in the last round, by the device's clock.
+    parts_ms: Vec<(&'static str, f64)>,
     /// By how much the first path takes longer.
     speedup: f64,
 }
@@ -73,17 +75,18 @@ pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format:
         let viewport = Viewport::new(size[0], size[1])?;
         let camera = Camera::framing(&model, viewport);
         let stage = Stage::new(&model, camera, viewport, Plan { path: PATHS[1].0, ..plan })?;
-        let mut times = [(); PATHS.len()].map(|()| (vec![], vec![]));
+        let mut times = [(); PATHS.len()].map(|()| (vec![], vec![], vec![]));
         let patience = Patience { frames: frames.max(64), seconds: SECONDS };
         for _ in 0..rounds {
-            for ((path, _), (frame_ms, gpu_ms)) in PATHS.into_iter().zip(&mut times) {
+            for ((path, _), (frame_ms, gpu_ms, parts_ms)) in PATHS.into_iter().zip(&mut times) {
                 let cost = cost::on_gpu(&stage.by_path(path), device, patience)?;
                 frame_ms.push(cost.frame_ms);
                 gpu_ms.extend(cost.gpu_ms);
+                *parts_ms = cost.parts_ms;
             }
         }
         let mut measured = vec![];
-        for ((_, path), (mut frame_ms, mut gpu_ms)) in PATHS.into_iter().zip(times) {
+        for ((_, path), (mut frame_ms, mut gpu_ms, parts_ms)) in PATHS.into_iter().zip(times) {
             let frame = median(&mut frame_ms);
             let (gpu, spread) = match gpu_ms.is_empty() {
                 true => (None, &frame_ms),
@@ -99,6 +102,7 @@ pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format:
                 frame_ms: frame,
                 gpu_ms: gpu,
                 spread_ms,
+                parts_ms,
                 speedup: 1.0,
             });
         }
@@ -136,7 +140,17 @@ fn print(report: &Report) -> Result<()> {
     say!("gpu: {adapter} ({driver}); technique {technique}, chord error {chord_px} px, {rounds} rounds")?;
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
-    table.set_header(["model", "size", "triangles", "path", "ms a frame", "ms on the GPU", "of rounds", "x fragment"]);
+    table.set_header([
+        "model",
+        "size",
+        "triangles",
+        "path",
+        "ms a frame",
+        "ms on the GPU",
+        "of rounds",
+        "of which",
+        "x fragment",
+    ]);
     for line in &report.lines {
         table.add_row([
             line.model.to_owned(),
@@ -146,6 +160,7 @@ fn print(report: &Report) -> Result<()> {
             format!("{:.3}", line.frame_ms),
             line.gpu_ms.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.3}")),
             format!("{:.3} … {:.3}", line.spread_ms[0], line.spread_ms[1]),
+            line.parts_ms.iter().map(|(name, ms)| format!("{name} {ms:.3}")).collect::<Vec<_>>().join(", "),
             format!("{:.2}", line.speedup),
         ]);
     }

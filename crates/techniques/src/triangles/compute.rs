@@ -63,7 +63,10 @@ struct Call {
     vertices: u32,
     counts: u32,
     waiting: u32,
-    padding: [u32; 56],
+    clears: u32,
+    aligned: [u32; 3],
+    nothing: [f32; 4],
+    padding: [u32; 48],
 }
 
 /// An entry point; those that cover are run in one round or two.
@@ -212,6 +215,9 @@ impl Fed {
     /// A call a batch and round.
     fn calls(&self, targets: &Targets) -> Vec<Call> {
         let all_counts = COUNTS * self.rounds * self.batches.len();
+        // The first target of a G-buffer holds whole numbers, zeros.
+        let wgpu::Color { r, g, b, a } = targets.output.cleared(targets.colour_views.len() - 1);
+        let nothing = [r, g, b, a].map(|x| x as f32);
         let call = |(index, &(_, [first, count])): (usize, &(Program, [u32; 2])), round: usize| Call {
             first,
             count,
@@ -221,7 +227,10 @@ impl Fed {
             vertices: self.vertices,
             counts: (COUNTS * (round * self.batches.len() + index)) as u32,
             waiting: all_counts as u32 + first,
-            padding: [0; 56],
+            clears: u32::from(index == 0),
+            aligned: [0; 3],
+            nothing,
+            padding: [0; 48],
         };
         (0..self.rounds)
             .flat_map(|round| self.batches.iter().enumerate().map(move |batch| call(batch, round)))
@@ -333,6 +342,10 @@ struct Covered {
 }
 
 impl Frame for Covered {
+    fn parts(&self) -> &'static [&'static str] {
+        &["clear", "place", "cover", "resolve"]
+    }
+
     fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -340,57 +353,74 @@ impl Frame for Covered {
         targets: &Targets,
         stamps: Option<Stamps<'_>>,
     ) {
-        drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("clear"),
-            color_attachments: &targets.cleared(),
-            timestamp_writes: stamps.map(|Stamps { set, start }| wgpu::RenderPassTimestampWrites {
-                query_set: set,
-                beginning_of_pass_write_index: Some(start),
-                end_of_pass_write_index: None,
-            }),
-            ..Default::default()
-        }));
-        encoder.clear_buffer(&self.seen, 0, None);
-        if self.fed.counts() > 0 {
-            encoder.clear_buffer(&self.fed.queue, 0, Some(self.fed.counts()));
-        }
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("triangles"),
-            timestamp_writes: stamps.map(|Stamps { set, start }| wgpu::ComputePassTimestampWrites {
-                query_set: set,
-                beginning_of_pass_write_index: None,
-                end_of_pass_write_index: Some(start + 1),
-            }),
-        });
-        pass.set_bind_group(0, &scene.group, &[]);
-        pass.set_bind_group(2, &self.targets, &[]);
         // A batch of a program that no face has shows nothing of this scene.
         let batches: Vec<_> = (0..)
             .zip(&self.fed.batches)
             .filter(|(_, (program, _))| self.pipelines.contains_key(&(*program, Kernel::PlaceCorners)))
             .collect();
-        let mut run = |kernel: Kernel, call: usize, program: Program, [x, y]: [u32; 2]| {
-            pass.set_pipeline(&self.pipelines[&(program, kernel)]);
-            pass.set_bind_group(1, &self.group, &[call as u32 * CALL_STRIDE]);
-            pass.dispatch_workgroups(x, y, 1);
-        };
-        if let Some(&(index, &(program, _))) = batches.first() {
-            run(Kernel::PlaceCorners, index, program, grid(self.fed.vertices));
+        if let Some(Stamps { set, start }) = stamps {
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("start"),
+                timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
+                    query_set: set,
+                    beginning_of_pass_write_index: Some(start),
+                    end_of_pass_write_index: None,
+                }),
+            });
         }
-        for kernel in Kernel::that_cover(self.atomics) {
-            for &(index, &(program, [_, count])) in &batches {
-                let size = match kernel {
-                    Kernel::CoverSmall { .. } => grid(count),
-                    _ => [SHARING, 1],
-                };
-                run(kernel, index + usize::from(kernel.is_second()) * self.fed.batches.len(), program, size);
+        // The first batch clears what nothing covers; the rasterizer takes longer for that.
+        if batches.first().is_none_or(|&(index, _)| index != 0) {
+            drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("clear"),
+                color_attachments: &targets.cleared(),
+                ..Default::default()
+            }));
+        }
+        encoder.clear_buffer(&self.seen, 0, None);
+        if self.fed.counts() > 0 {
+            encoder.clear_buffer(&self.fed.queue, 0, Some(self.fed.counts()));
+        }
+        let mut part =
+            |label: &'static str, ends: u32, run: &dyn Fn(&mut dyn FnMut(Kernel, usize, Program, [u32; 2]))| {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label: Some(label),
+                    timestamp_writes: stamps.map(|Stamps { set, start }| wgpu::ComputePassTimestampWrites {
+                        query_set: set,
+                        beginning_of_pass_write_index: (ends == 2).then_some(start + 1),
+                        end_of_pass_write_index: Some(start + ends),
+                    }),
+                });
+                pass.set_bind_group(0, &scene.group, &[]);
+                pass.set_bind_group(2, &self.targets, &[]);
+                run(&mut |kernel, call, program, [x, y]| {
+                    pass.set_pipeline(&self.pipelines[&(program, kernel)]);
+                    pass.set_bind_group(1, &self.group, &[call as u32 * CALL_STRIDE]);
+                    pass.dispatch_workgroups(x, y, 1);
+                });
+            };
+        part("place", 2, &|run| {
+            if let Some(&(index, &(program, _))) = batches.first() {
+                run(Kernel::PlaceCorners, index, program, grid(self.fed.vertices));
             }
-        }
-        let side = |pixels: usize| (pixels as u32).div_ceil(TILE);
-        let tiles = [side(targets.viewport.width()), side(targets.viewport.height())];
-        for &(index, &(program, _)) in &batches {
-            run(Kernel::Resolve(targets.output), index, program, tiles);
-        }
+        });
+        part("cover", 3, &|run| {
+            for kernel in Kernel::that_cover(self.atomics) {
+                for &(index, &(program, [_, count])) in &batches {
+                    let size = match kernel {
+                        Kernel::CoverSmall { .. } => grid(count),
+                        _ => [SHARING, 1],
+                    };
+                    run(kernel, index + usize::from(kernel.is_second()) * self.fed.batches.len(), program, size);
+                }
+            }
+        });
+        part("resolve", 4, &|run| {
+            let side = |pixels: usize| (pixels as u32).div_ceil(TILE);
+            let tiles = [side(targets.viewport.width()), side(targets.viewport.height())];
+            for &(index, &(program, _)) in &batches {
+                run(Kernel::Resolve(targets.output), index, program, tiles);
+            }
+        });
     }
 }
 
@@ -415,7 +445,7 @@ mod tests {
             let module = naga::front::wgsl::parse_str(&wgsl::source(variant)).unwrap();
             let call = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("Call")).unwrap().1;
             let naga::TypeInner::Struct { members, .. } = &call.inner else { panic!("Call is no struct") };
-            assert_eq!(members.last().unwrap().offset as usize, std::mem::offset_of!(Call, waiting));
+            assert_eq!(members.last().unwrap().offset as usize, std::mem::offset_of!(Call, nothing));
             let value = |name: &str| {
                 let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
                 module.global_expressions[constant.init].clone()

@@ -261,6 +261,7 @@ mod tests {
                 frames: 3,
                 frame_ms,
                 gpu_ms: None,
+                parts_ms: vec![],
                 processor_ms: None,
                 bytes_uploaded: None,
                 bytes_held: None,
