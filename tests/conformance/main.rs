@@ -12,6 +12,7 @@ mod foreign;
 mod golden;
 mod grids;
 mod judging;
+mod kernels;
 mod licences;
 mod rays;
 mod samples;
