@@ -200,8 +200,8 @@ impl Surface {
 
     #[inline(always)]
     fn first_at<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], [u, v]: [f64; 2]) -> FirstDerivatives {
-        let nu = basis::<C, false>(&self.knots[0], p, span[0], u);
-        let nv = basis::<C, false>(&self.knots[1], q, span[1], v);
+        let nu = basis::<C, false, f64>(&self.knots[0], p, span[0], u);
+        let nv = basis::<C, false, f64>(&self.knots[1], q, span[1], v);
         self.first_order(p, q, span, &nu, &nv)
     }
 
@@ -214,8 +214,8 @@ impl Surface {
 
     #[inline(always)]
     fn second_at<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], [u, v]: [f64; 2]) -> SecondDerivatives {
-        let nu = basis::<C, true>(&self.knots[0], p, span[0], u);
-        let nv = basis::<C, true>(&self.knots[1], q, span[1], v);
+        let nu = basis::<C, true, f64>(&self.knots[0], p, span[0], u);
+        let nv = basis::<C, true, f64>(&self.knots[1], q, span[1], v);
         self.second_order(p, q, span, &nu, &nv)
     }
 
