@@ -1,6 +1,7 @@
 //! The grid of hits.
 
 use crate::Hit;
+use rayon::prelude::*;
 use scene::{Camera, Model, Viewport};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -89,6 +90,49 @@ pub struct GBuffer {
     /// Pixels that the renderer could not decide, in row-major order.
     undecided: Vec<u32>,
     edges: bool,
+}
+
+/// A G-buffer whose rows come band by band, each made by many threads in the place where it stays.
+pub struct Rows {
+    viewport: Viewport,
+    meta: Meta,
+    index: Vec<u32>,
+    hits: Vec<Hit>,
+}
+
+impl Rows {
+    /// Marks a pixel that sees nothing in [`Self::extend`].
+    pub const NOTHING: u32 = NO_HIT;
+
+    /// No rows yet.
+    pub fn new(viewport: Viewport, meta: Meta) -> Self {
+        Self { viewport, meta, index: Vec::with_capacity(viewport.pixels()), hits: vec![] }
+    }
+
+    /// Appends whole rows, the next ones from the top. A pixel is a number that `hit` knows, or [`Self::NOTHING`]; each is
+    /// asked for once, from any thread.
+    pub fn extend(&mut self, pixels: &[u32], hit: impl Fn(u32) -> Hit + Sync) {
+        let mut next = self.hits.len() as u32;
+        let seen: Vec<u32> = pixels.iter().copied().filter(|&pixel| pixel != Self::NOTHING).collect();
+        self.index.extend(pixels.iter().map(|&pixel| {
+            if pixel == Self::NOTHING {
+                return NO_HIT;
+            }
+            next += 1;
+            next - 1
+        }));
+        self.hits.par_extend(seen.par_iter().map(|&pixel| hit(pixel)));
+    }
+
+    /// The picture.
+    ///
+    /// # Panics
+    /// Where the rows do not fill the viewport.
+    pub fn finish(self) -> GBuffer {
+        let Self { viewport, meta, index, hits } = self;
+        assert_eq!(index.len(), viewport.pixels(), "rows fill the viewport");
+        GBuffer { viewport, meta, index, hits, undecided: vec![], edges: false }
+    }
 }
 
 impl GBuffer {
