@@ -112,15 +112,26 @@ impl Rows {
     /// Appends whole rows, the next ones from the top. A pixel is a number that `hit` knows, or [`Self::NOTHING`]; each is
     /// asked for once, from any thread.
     pub fn extend(&mut self, pixels: &[u32], hit: impl Fn(u32) -> Hit + Sync) {
-        let mut next = self.hits.len() as u32;
-        let seen: Vec<u32> = pixels.iter().copied().filter(|&pixel| pixel != Self::NOTHING).collect();
-        self.index.extend(pixels.iter().map(|&pixel| {
-            if pixel == Self::NOTHING {
-                return NO_HIT;
+        let width = self.viewport.width();
+        let is_seen = |&&pixel: &&u32| pixel != Self::NOTHING;
+        let counts: Vec<usize> = pixels.par_chunks(width).map(|row| row.iter().filter(is_seen).count()).collect();
+        let mut seen = vec![0; counts.iter().sum()];
+        let first = self.index.len();
+        self.index.resize(first + pixels.len(), NO_HIT);
+        let mut rows = Vec::with_capacity(counts.len());
+        let (mut rest, mut next) = (&mut seen[..], self.hits.len() as u32);
+        for count in counts {
+            let (row, behind) = rest.split_at_mut(count);
+            rows.push((row, next));
+            (rest, next) = (behind, next + count as u32);
+        }
+        let index = self.index[first..].par_chunks_mut(width);
+        pixels.par_chunks(width).zip(index).zip(rows).for_each(|((pixels, index), (seen, first))| {
+            let places = pixels.iter().zip(index).filter(|(pixel, _)| is_seen(pixel));
+            for (number, ((&pixel, place), seen)) in (first..).zip(places.zip(seen)) {
+                (*place, *seen) = (number, pixel);
             }
-            next += 1;
-            next - 1
-        }));
+        });
         self.hits.par_extend(seen.par_iter().map(|&pixel| hit(pixel)));
     }
 

@@ -3,7 +3,7 @@
 //! The same function names, statements and operand order stand in both. `CAPACITY` is the size of the private
 //! arrays: [`MAX_ORDER`](nurbs::MAX_ORDER) in the general program, the degree plus one in a specialised one.
 //! Sums of a tensor product run over v first and are multiplied by N_u once, so that no compiler finds a factor
-//! to pull out.
+//! to pull out. Ranges are half-open: of a constant degree such loops are unrolled, others are not.
 
 use crate::layout::{FaceRecord, RATIONAL, SPAN_HEAD};
 use crate::vector::{Vec3, cross, dot, scale, subtract};
@@ -128,7 +128,7 @@ pub fn basis<const CAPACITY: usize, const N: usize>(
     let mut term = [Lanes::<f32, N>::ZERO; CAPACITY];
     let mut reciprocal = [0.0f32; CAPACITY];
     b.value[0] = Lanes::splat(1.0);
-    for j in 1..=degree {
+    for j in 1..degree + 1 {
         let mut saved = Lanes::<f32, N>::ZERO;
         for r in 0..j {
             let right = knots[degree + r];
@@ -188,11 +188,11 @@ pub fn surface<const CAPACITY: usize, const N: usize>(
     // registers; their order, and so every bit, is the same. Without a quotient nobody reads w.
     let components = if face.flags & RATIONAL != 0 { 4 } else { 3 };
     for c in 0..components {
-        for i in 0..=degree[0] {
+        for i in 0..degree[0] + 1 {
             let start = face.points as usize + (first[0] + i) * face.count_v as usize + first[1];
             let points = &points[start..=start + degree[1]];
             let [mut row, mut row_v, mut row_vv] = [Lanes::<f32, N>::ZERO; 3];
-            for j in 0..=degree[1] {
+            for j in 0..degree[1] + 1 {
                 let point = points[j][c];
                 row = row + nv.value[j] * point;
                 row_v = row_v + nv.first[j] * point;
