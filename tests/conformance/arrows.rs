@@ -20,7 +20,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("raycast", &["nurbs", "scene", "gbuffer"]),
     ("compare", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("continuity", &["nurbs", "scene"]),
-    ("techniques", &["nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
+    ("techniques", &["lanes", "nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
 ];
 
 /// On top of all: these may use any crate.
