@@ -7,19 +7,20 @@ use std::process::Command;
 /// Every arrow that may be drawn: a crate and those it may use.
 const ARROWS: &[(&str, &[&str])] = &[
     ("files", &[]),
-    ("nurbs", &[]),
+    ("lanes", &[]),
+    ("nurbs", &["lanes"]),
     ("scene", &["nurbs"]),
     ("formats", &["files", "nurbs", "scene"]),
     ("export", &["files", "nurbs", "scene", "formats"]),
     ("models", &["nurbs", "scene", "formats"]),
     ("gbuffer", &["files", "nurbs", "scene"]),
-    ("pipeline", &["nurbs", "scene", "gbuffer"]),
+    ("pipeline", &["lanes", "nurbs", "scene", "gbuffer"]),
     ("raster", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("gpu", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("raycast", &["nurbs", "scene", "gbuffer"]),
     ("compare", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("continuity", &["nurbs", "scene"]),
-    ("techniques", &["nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
+    ("techniques", &["lanes", "nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
 ];
 
 /// On top of all: these may use any crate.

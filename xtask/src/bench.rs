@@ -2,6 +2,8 @@
 
 mod agree;
 mod frames;
+mod kernels;
+mod parts;
 mod paths;
 mod sample;
 mod tessellation;
@@ -17,14 +19,13 @@ use clap::{Args, ValueEnum};
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use compare::Claims;
 use frames::{Frames, turning};
-use glam::DVec3;
-use pipeline::eval::find_span;
-use pipeline::fragment::{Fragment, fragment_row};
-use pipeline::{PackedScene, Parameters, Scheme};
+use parts::{Together, cast, evaluate_f32, evaluate_f64, points, rays};
 use raycast::Caster;
 use sample::{Figure, Sample};
-use scene::{Camera, Model, Projection, Ray, Viewport};
+use scene::{Camera, Model, Viewport};
 use std::hint::black_box;
+use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Instant;
 use tessellation::TessellationArgs;
 use trimming::Trimming;
@@ -32,12 +33,6 @@ use trimming::Trimming;
 /// Kanai's Table 1: a model, cells a face so that the triangles are about his, his frames per second on a GeForce
 /// 7900 GTX in 2007.
 const TABLE_1: &[(&str, usize, f64)] = &[("surface", 50, 212.0), ("teapot", 10, 201.0), ("spray", 10, 126.0)];
-
-/// Points of an evaluation sample.
-const POINTS: usize = 65_536;
-
-/// Rays of a ray sample, a side.
-const RAYS: usize = 128;
 
 /// Time evaluation, rays, the CPU rasterizer and the GPU, and print medians
 ///
@@ -60,6 +55,14 @@ pub struct BenchArgs {
     /// Side of the square picture of Table 1, pixels
     #[arg(long, default_value_t = 512)]
     side: usize,
+    /// Of suite kernels: the report of an earlier run (`--format json`) that this one is held to
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// What callgrind counts: one kernel, `--repeats` times
+    #[arg(long, hide = true)]
+    kernel: Option<String>,
+    #[arg(long, hide = true, default_value_t = 1)]
+    repeats: usize,
     /// For people or for machines
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -74,13 +77,27 @@ enum Suite {
     Tessellation,
     /// Who finds the triangles on the GPU: frames by its rasterizer, and by compute kernels with each kind of atomics
     Paths,
+    /// Instructions of the CPU's kernels, counted by valgrind's callgrind: other programs on the machine do not count
+    Kernels,
 }
 
-/// Runs the command.
+/// Runs the command. Code 1: a kernel takes a tenth more instructions than the baseline says.
 ///
 /// # Errors
-/// Where renderers disagree, or the named adapter is not there.
-pub fn run(args: &BenchArgs) -> Result<()> {
+/// Where renderers disagree, the named adapter is not there, or callgrind cannot count.
+pub fn run(args: &BenchArgs) -> Result<ExitCode> {
+    if let Some(kernel) = &args.kernel {
+        kernels::work(kernel, args.repeats)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if args.suite == Suite::Kernels {
+        return kernels::run(args.baseline.as_deref(), args.format);
+    }
+    time(args)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn time(args: &BenchArgs) -> Result<()> {
     let device = match gpu::Device::open(args.drawing.adapter.as_deref()) {
         Ok(device) => Some(device),
         Err(error) if args.drawing.adapter.is_some() => return Err(error.into()),
@@ -113,10 +130,12 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let [top_down, grazing] = rays(&rational);
     let mut evaluation = [
         Sample::new("S, S_u, S_v, normal; bicubic rational, f64, one thread", "ns/point", "≤ 96".to_owned()),
+        Sample::new("the same, a list in no order", "ns/point", "below the first line".to_owned()),
+        Sample::new("the same, a grid", "ns/point", "≤ half of the first line".to_owned()),
         Sample::new(
             "the same in the rasterizer's inner loop, f32, runs of one span",
             "ns/point",
-            "below the line above".to_owned(),
+            "below the first line".to_owned(),
         ),
     ];
     let mut casting = [
@@ -146,8 +165,10 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let mut trimming = Trimming::new(args.side)?;
     let bar = crate::terminal::progress("rounds", usize::from(args.rounds));
     for round in 0..args.rounds {
-        evaluation[0].values.push(evaluate_f64(&rational, &points));
-        evaluation[1].values.push(evaluate_f32(&rational, &points)?);
+        for (sample, together) in evaluation.iter_mut().zip([Together::One, Together::List, Together::Grid]) {
+            sample.values.push(evaluate_f64(&rational, &points, together));
+        }
+        evaluation[3].values.push(evaluate_f32(&rational, &points)?);
         casting[0].values.push(cast(&caster, &top_down));
         casting[1].values.push(cast(&caster, &grazing));
         for (((model, cells, _), technique), [raster, on_gpu]) in drawn.clone().zip(&mut drawing) {
@@ -203,68 +224,6 @@ fn print(args: &BenchArgs, adapter: Option<&str>, figures: &[Figure]) -> Result<
     }
     terminal::table(&table)?;
     Ok(())
-}
-
-/// A reproducible sample of the unit square (an additive recurrence with the plastic number).
-fn points() -> Vec<[f64; 2]> {
-    let g = 1.324_717_957_244_746;
-    (0..POINTS).map(|i| [(i as f64 / g).fract(), (i as f64 / (g * g)).fract()]).collect()
-}
-
-fn evaluate_f64(model: &Model, points: &[[f64; 2]]) -> f64 {
-    let surface = &model.surfaces()[0];
-    let [[u0, u1], [v0, v1]] = surface.domain();
-    let uv: Vec<[f64; 2]> = points.iter().map(|[s, t]| [u0 + (u1 - u0) * s, v0 + (v1 - v0) * t]).collect();
-    let start = Instant::now();
-    for &[u, v] in &uv {
-        let d = surface.first_derivatives(u, v);
-        black_box((d.s, d.su.cross(d.sv).normalize()));
-    }
-    start.elapsed().as_nanos() as f64 / uv.len() as f64
-}
-
-fn evaluate_f32(model: &Model, points: &[[f64; 2]]) -> Result<f64> {
-    let scene = PackedScene::new(model, Scheme::Specialised)?;
-    let mut uv: Vec<[f32; 2]> = points.iter().map(|uv| uv.map(|t| t as f32)).collect();
-    // As a rasterizer meets them: one span after the other.
-    let starts = scene.starts(&scene.faces()[0]);
-    uv.sort_by_key(|uv| [0, 1].map(|k| find_span(starts[k], uv[k])));
-    let uv: Vec<Parameters> = uv
-        .into_iter()
-        .map(|uv| {
-            let span = [0, 1].map(|k| find_span(starts[k], uv[k]) as u32);
-            let spans = scene.spans(&scene.faces()[0], span);
-            Parameters { span, uv: [0, 1].map(|k| spans[k].local(uv[k])) }
-        })
-        .collect();
-    let mut out: Vec<Fragment> = Vec::with_capacity(uv.len());
-    let start = Instant::now();
-    fragment_row(&scene, 0, &uv, false, &mut out);
-    let time = start.elapsed().as_nanos() as f64;
-    black_box(&out);
-    Ok(time / uv.len() as f64)
-}
-
-/// Rays straight down on a model's first face, and rays that skim it at 4°.
-fn rays(model: &Model) -> [Vec<Ray>; 2] {
-    let hull = model.hull();
-    let (center, size) = (hull.center(), hull.diagonal());
-    let viewport = Viewport::new(RAYS, RAYS).expect("a legal size");
-    let grid = |direction: DVec3, up: DVec3, height: f64| {
-        let eye = center - direction.normalize() * size;
-        let camera = Camera::look_at(eye, center, up, Projection::Orthographic { height }).expect("a legal camera");
-        let pixels = (0..RAYS * RAYS).map(move |i| (i % RAYS, i / RAYS));
-        pixels.map(move |(x, y)| camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5)).collect()
-    };
-    [grid(-DVec3::Z, DVec3::Y, size / 2.0), grid(DVec3::new(-1.0, 0.0, -0.07), DVec3::Z, size / 4.0)]
-}
-
-fn cast(caster: &Caster, rays: &[Ray]) -> f64 {
-    let start = Instant::now();
-    for ray in rays {
-        black_box(caster.first(ray));
-    }
-    start.elapsed().as_secs_f64() * 1e6 / rays.len() as f64
 }
 
 /// The time of comparing a picture of the rasterizer with one of the ray caster, over that of the slower of the two.

@@ -61,7 +61,7 @@ fn main() -> ExitCode {
         Command::Geiger(args) => done(geiger::run(&args)),
         Command::Mutants(args) => mutants::run(&args),
         Command::Adapters(args) => done(adapters::run(&args)),
-        Command::Bench(args) => done(bench::run(&args)),
+        Command::Bench(args) => bench::run(&args),
         Command::Study(args) => done(study::run(&args)),
         Command::Bless(args) => done(bless::run(&args)),
         Command::Ci(args) => ci::run(&args),

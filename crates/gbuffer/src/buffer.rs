@@ -1,6 +1,7 @@
 //! The grid of hits.
 
 use crate::Hit;
+use rayon::prelude::*;
 use scene::{Camera, Model, Viewport};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -89,6 +90,60 @@ pub struct GBuffer {
     /// Pixels that the renderer could not decide, in row-major order.
     undecided: Vec<u32>,
     edges: bool,
+}
+
+/// A G-buffer whose rows come band by band, each made by many threads in the place where it stays.
+pub struct Rows {
+    viewport: Viewport,
+    meta: Meta,
+    index: Vec<u32>,
+    hits: Vec<Hit>,
+}
+
+impl Rows {
+    /// Marks a pixel that sees nothing in [`Self::extend`].
+    pub const NOTHING: u32 = NO_HIT;
+
+    /// No rows yet.
+    pub fn new(viewport: Viewport, meta: Meta) -> Self {
+        Self { viewport, meta, index: Vec::with_capacity(viewport.pixels()), hits: vec![] }
+    }
+
+    /// Appends whole rows, the next ones from the top. A pixel is a number that `hit` knows, or [`Self::NOTHING`]; each is
+    /// asked for once, from any thread.
+    pub fn extend(&mut self, pixels: &[u32], hit: impl Fn(u32) -> Hit + Sync) {
+        let width = self.viewport.width();
+        let is_seen = |&&pixel: &&u32| pixel != Self::NOTHING;
+        let counts: Vec<usize> = pixels.par_chunks(width).map(|row| row.iter().filter(is_seen).count()).collect();
+        let mut seen = vec![0; counts.iter().sum()];
+        let first = self.index.len();
+        self.index.resize(first + pixels.len(), NO_HIT);
+        let mut rows = Vec::with_capacity(counts.len());
+        let (mut rest, mut next) = (&mut seen[..], self.hits.len() as u32);
+        for count in counts {
+            let (row, behind) = rest.split_at_mut(count);
+            rows.push((row, next));
+            (rest, next) = (behind, next + count as u32);
+        }
+        let index = self.index[first..].par_chunks_mut(width);
+        pixels.par_chunks(width).zip(index).zip(rows).for_each(|((pixels, index), (seen, first))| {
+            let places = pixels.iter().zip(index).filter(|(pixel, _)| is_seen(pixel));
+            for (number, ((&pixel, place), seen)) in (first..).zip(places.zip(seen)) {
+                (*place, *seen) = (number, pixel);
+            }
+        });
+        self.hits.par_extend(seen.par_iter().map(|&pixel| hit(pixel)));
+    }
+
+    /// The picture.
+    ///
+    /// # Panics
+    /// Where the rows do not fill the viewport.
+    pub fn finish(self) -> GBuffer {
+        let Self { viewport, meta, index, hits } = self;
+        assert_eq!(index.len(), viewport.pixels(), "rows fill the viewport");
+        GBuffer { viewport, meta, index, hits, undecided: vec![], edges: false }
+    }
 }
 
 impl GBuffer {

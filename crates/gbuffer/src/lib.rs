@@ -14,7 +14,7 @@ mod picture;
 mod resolve;
 mod shade;
 
-pub use buffer::{GBuffer, Meta, Trims};
+pub use buffer::{GBuffer, Meta, Rows, Trims};
 pub use error::GBufferError;
 pub use hit::{EDGE_REACH_PX, Hit, LocalParameters, PrincipalCurvatures};
 pub use picture::Picture;

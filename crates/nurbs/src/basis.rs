@@ -4,31 +4,55 @@
 //! to second order, what the renderers mirror), and the general algorithm for any order.
 
 use crate::{KnotVector, MAX_ORDER};
+use lanes::Lanes;
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// A parameter and what is made of it: one, or several in lanes.
+pub(crate) trait Number:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self> + Neg<Output = Self>
+{
+    /// The same value in all lanes.
+    fn splat(x: f64) -> Self;
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        x
+    }
+}
+
+impl<const N: usize> Number for Lanes<f64, N> {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self([x; N])
+    }
+}
 
 /// Values and first two derivatives of the p + 1 basis functions that are not zero on a span.
 ///
 /// `CAPACITY` is at least p + 1; entries from p + 1 on are zero.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Basis<const CAPACITY: usize> {
-    pub value: [f64; CAPACITY],
-    pub first: [f64; CAPACITY],
-    pub second: [f64; CAPACITY],
+pub(crate) struct Basis<const CAPACITY: usize, T = f64> {
+    pub value: [T; CAPACITY],
+    pub first: [T; CAPACITY],
+    pub second: [T; CAPACITY],
 }
 
 /// Values, first and (where `SECOND`) second derivatives by the inverse triangle.
 ///
 /// Each value is within 3 p ulp of the exact value for these knots, relative to itself (sums of positive terms).
 #[inline(always)]
-pub(crate) fn basis<const CAPACITY: usize, const SECOND: bool>(
+pub(crate) fn basis<const CAPACITY: usize, const SECOND: bool, T: Number>(
     knots: &KnotVector,
     p: usize,
     span: usize,
-    t: f64,
-) -> Basis<CAPACITY> {
+    t: T,
+) -> Basis<CAPACITY, T> {
     debug_assert!(p < CAPACITY && p == knots.degree());
     let u = &knots.knots()[span + 1 - p..=span + p];
     let reciprocal = knots.span_reciprocals(span);
-    triangle::<CAPACITY, SECOND>(p, |i| u[i] - t, |i| reciprocal[i])
+    triangle::<CAPACITY, SECOND, T>(p, |i| T::splat(u[i]) - t, |i| reciprocal[i])
 }
 
 /// As [`basis`], at `t` in 0 to 1 of the span: derivatives are by the knots' own parameter all the same.
@@ -48,7 +72,7 @@ pub(crate) fn basis_local<const CAPACITY: usize, const SECOND: bool>(
     let reciprocal = knots.span_reciprocals(span);
     // Column 1 of the triangle has one difference, the span's own length.
     let inverse = reciprocal[0];
-    let mut basis = triangle::<CAPACITY, SECOND>(p, |i| (u[i] - start) * inverse - t, |i| reciprocal[i] * length);
+    let mut basis = triangle::<CAPACITY, SECOND, f64>(p, |i| (u[i] - start) * inverse - t, |i| reciprocal[i] * length);
     for r in 0..p + 1 {
         basis.first[r] *= inverse;
         if SECOND {
@@ -68,19 +92,20 @@ pub(crate) fn basis_local<const CAPACITY: usize, const SECOND: bool>(
 ///
 /// Ranges here and in the sums of `surface` are half-open: of a constant degree such loops are unrolled, others are not.
 #[inline(always)]
-fn triangle<const CAPACITY: usize, const SECOND: bool>(
+fn triangle<const CAPACITY: usize, const SECOND: bool, T: Number>(
     p: usize,
-    ahead: impl Fn(usize) -> f64,
+    ahead: impl Fn(usize) -> T,
     reciprocal: impl Fn(usize) -> f64,
-) -> Basis<CAPACITY> {
-    let mut value = [0.0; CAPACITY];
-    let mut first = [0.0; CAPACITY];
-    let mut second = [0.0; CAPACITY];
-    let mut term = [0.0; CAPACITY];
-    value[0] = 1.0;
+) -> Basis<CAPACITY, T> {
+    let zero = T::splat(0.0);
+    let mut value = [zero; CAPACITY];
+    let mut first = [zero; CAPACITY];
+    let mut second = [zero; CAPACITY];
+    let mut term = [zero; CAPACITY];
+    value[0] = T::splat(1.0);
     let mut column = 0;
     for j in 1..p + 1 {
-        let mut saved = 0.0;
+        let mut saved = zero;
         for r in 0..j {
             // right[r+1] = U[span+r+1] − t, left[j−r] = t − U[span+1−j+r]
             term[r] = value[r] * reciprocal(column + r);
@@ -97,26 +122,26 @@ fn triangle<const CAPACITY: usize, const SECOND: bool>(
     if SECOND && p >= 2 {
         // second holds N' of degree p − 1; apply Eq. (2.7) once more, with the reciprocals of the last column.
         let last = column - p;
-        let mut carried = 0.0;
+        let mut carried = zero;
         for r in 0..p {
             let scaled = second[r] * reciprocal(last + r);
-            second[r] = p as f64 * (carried - scaled);
+            second[r] = (carried - scaled) * p as f64;
             carried = scaled;
         }
-        second[p] = p as f64 * carried;
+        second[p] = carried * p as f64;
     }
     Basis { value, first, second }
 }
 
 /// N'_{r} = p (term_{r−1} − term_r) for r = 0..=p (Piegl & Tiller, Eq. 2.7).
 #[inline(always)]
-fn differences<const CAPACITY: usize>(term: &[f64; CAPACITY], p: usize, out: &mut [f64; CAPACITY]) {
+fn differences<const CAPACITY: usize, T: Number>(term: &[T; CAPACITY], p: usize, out: &mut [T; CAPACITY]) {
     let scale = p as f64;
-    out[0] = -scale * term[0];
+    out[0] = term[0] * -scale;
     for r in 1..p {
-        out[r] = scale * (term[r - 1] - term[r]);
+        out[r] = (term[r - 1] - term[r]) * scale;
     }
-    out[p] = scale * term[p - 1];
+    out[p] = term[p - 1] * scale;
 }
 
 /// All derivatives to `order` of the p + 1 basis functions of `span` at `t`: `result[k][r]`.
@@ -236,7 +261,7 @@ mod tests {
             let (start, end) = knots.domain();
             let t = start + (end - start) * x;
             let span = knots.find_span(t);
-            let fast = basis::<MAX_ORDER, true>(&knots, p, span, t);
+            let fast = basis::<MAX_ORDER, true, f64>(&knots, p, span, t);
             let general = basis_derivatives(&knots, span, t, 2);
             let rows = [fast.value, fast.first, fast.second];
             for k in 0..3 {

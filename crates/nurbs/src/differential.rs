@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 const COLLAPSED: f64 = 1e-12;
 
 /// S_u and S_v count as parallel below this sine: their cross product then is rounding error.
-const PARALLEL: f64 = 1e-12;
+pub(crate) const PARALLEL: f64 = 1e-12;
 
 /// Orders of the expansion along which a limit normal is sought before it is called undefined.
 const LIMIT_ORDERS: usize = 4;
@@ -132,13 +132,18 @@ impl Surface {
 
     /// Whether S_u and S_v are zero to what the control points can tell.
     fn collapsed(&self, tangents: &[Tangent; 2]) -> [bool; 2] {
-        let hull = self.hull();
-        let farthest = hull.min.abs().max(hull.max.abs()).max_element();
-        let least = hull.diagonal() * COLLAPSED + farthest * 2.0 * f64::EPSILON;
+        let least = self.collapsed_below();
         [Direction::U, Direction::V].map(|direction| {
             let Tangent { length, unit, .. } = tangents[direction as usize];
             length * unit * self.knots(direction).length() <= least
         })
+    }
+
+    /// A derivative times the length of the domain counts as zero up to this, model units.
+    pub(crate) fn collapsed_below(&self) -> f64 {
+        let hull = self.hull();
+        let farthest = hull.min.abs().max(hull.max.abs()).max_element();
+        hull.diagonal() * COLLAPSED + farthest * 2.0 * f64::EPSILON
     }
 
     /// The limit of the normal at `t` of a span, if it is the same from every side in the span.

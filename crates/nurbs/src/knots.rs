@@ -12,6 +12,8 @@ pub struct KnotVector {
     knots: Vec<f64>,
     /// 1 / (U[k+r+1] − U[k+1−j+r]) for every span k of the domain, j = 1..=p, r = 0..j; zero where the span is empty.
     reciprocals: Vec<f64>,
+    /// The spans of the domain, empty ones too, over its length.
+    spans_per_unit: f64,
 }
 
 impl KnotVector {
@@ -50,7 +52,8 @@ impl KnotVector {
             index += run.len();
         }
         let reciprocals = reciprocals(degree, &knots)?;
-        Ok(Self { degree, knots, reciprocals })
+        let spans_per_unit = (count - 2 * degree - 1) as f64 / (end - start);
+        Ok(Self { degree, knots, reciprocals, spans_per_unit })
     }
 
     /// One period of a periodic spline, unrolled: `period` holds the n + 1 knots of n spans and is repeated
@@ -111,6 +114,11 @@ impl KnotVector {
     #[inline]
     pub fn find_span(&self, t: f64) -> usize {
         let (start, end) = (self.degree, self.control_count());
+        // Where knots are about equally spaced, this is it.
+        let guess = start + (((t - self.knots[start]) * self.spans_per_unit) as usize).min(end);
+        if guess < end && self.knots[guess] <= t && t < self.knots[guess + 1] {
+            return guess;
+        }
         if t >= self.knots[end] {
             return self.last_span();
         }
@@ -121,6 +129,13 @@ impl KnotVector {
             low += 1;
         }
         low
+    }
+
+    /// As [`Self::find_span`]; sooner where the answer is `guess`, which may be any number.
+    #[inline(always)]
+    pub(crate) fn span_from(&self, guess: usize, t: f64) -> usize {
+        let is_inside = self.degree <= guess && guess < self.control_count();
+        if is_inside && self.knots[guess] <= t && t < self.knots[guess + 1] { guess } else { self.find_span(t) }
     }
 
     fn last_span(&self) -> usize {

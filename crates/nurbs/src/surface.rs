@@ -200,8 +200,8 @@ impl Surface {
 
     #[inline(always)]
     fn first_at<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], [u, v]: [f64; 2]) -> FirstDerivatives {
-        let nu = basis::<C, false>(&self.knots[0], p, span[0], u);
-        let nv = basis::<C, false>(&self.knots[1], q, span[1], v);
+        let nu = basis::<C, false, f64>(&self.knots[0], p, span[0], u);
+        let nv = basis::<C, false, f64>(&self.knots[1], q, span[1], v);
         self.first_order(p, q, span, &nu, &nv)
     }
 
@@ -214,8 +214,8 @@ impl Surface {
 
     #[inline(always)]
     fn second_at<const C: usize>(&self, p: usize, q: usize, span: [usize; 2], [u, v]: [f64; 2]) -> SecondDerivatives {
-        let nu = basis::<C, true>(&self.knots[0], p, span[0], u);
-        let nv = basis::<C, true>(&self.knots[1], q, span[1], v);
+        let nu = basis::<C, true, f64>(&self.knots[0], p, span[0], u);
+        let nv = basis::<C, true, f64>(&self.knots[1], q, span[1], v);
         self.second_order(p, q, span, &nu, &nv)
     }
 
@@ -275,23 +275,30 @@ impl Surface {
         nv: &Basis<C>,
     ) -> SecondDerivatives {
         let mut sums = [[0.0; 4]; 6];
-        for i in 0..p + 1 {
-            let mut rows = [[0.0; 4]; 3];
-            for (j, c) in self.row(span_u - p + i, span_v - q, q).iter().enumerate() {
-                add_scaled(&mut rows[0], nv.value[j], c);
-                add_scaled(&mut rows[1], nv.first[j], c);
-                add_scaled(&mut rows[2], nv.second[j], c);
+        let columns = self.knots[1].control_count();
+        let first = (span_u - p) * columns + span_v - q;
+        let net = &self.local[first..first + p * columns + q + 1];
+        // As in [`Self::first_order`].
+        for half in [0, 2] {
+            let [mut sum, mut sum_u, mut sum_v, mut sum_uu, mut sum_uv, mut sum_vv] = [[0.0; 2]; 6];
+            for i in 0..p + 1 {
+                let points = &net[i * columns..][..q + 1];
+                let [mut row, mut row_v, mut row_vv] = [[0.0; 2]; 3];
+                for j in 0..q + 1 {
+                    let c = [points[j][half], points[j][half + 1]];
+                    add_scaled(&mut row, nv.value[j], &c);
+                    add_scaled(&mut row_v, nv.first[j], &c);
+                    add_scaled(&mut row_vv, nv.second[j], &c);
+                }
+                add_scaled(&mut sum, nu.value[i], &row);
+                add_scaled(&mut sum_u, nu.first[i], &row);
+                add_scaled(&mut sum_v, nu.value[i], &row_v);
+                add_scaled(&mut sum_uu, nu.second[i], &row);
+                add_scaled(&mut sum_uv, nu.first[i], &row_v);
+                add_scaled(&mut sum_vv, nu.value[i], &row_vv);
             }
-            let terms = [
-                (nu.value[i], 0),
-                (nu.first[i], 0),
-                (nu.value[i], 1),
-                (nu.second[i], 0),
-                (nu.first[i], 1),
-                (nu.value[i], 2),
-            ];
-            for (sum, (n, order)) in sums.iter_mut().zip(terms) {
-                add_scaled(sum, n, &rows[order]);
+            for (all, part) in sums.iter_mut().zip([sum, sum_u, sum_v, sum_uu, sum_uv, sum_vv]) {
+                all[half..half + 2].copy_from_slice(&part);
             }
         }
         let [a, a_u, a_v, a_uu, a_uv, a_vv] = sums.map(DVec4::from_array);

@@ -3,10 +3,11 @@
 //! The same function names, statements and operand order stand in both. `CAPACITY` is the size of the private
 //! arrays: [`MAX_ORDER`](nurbs::MAX_ORDER) in the general program, the degree plus one in a specialised one.
 //! Sums of a tensor product run over v first and are multiplied by N_u once, so that no compiler finds a factor
-//! to pull out.
+//! to pull out. Ranges are half-open: of a constant degree such loops are unrolled, others are not.
 
-use crate::lanes::{Lanes, Vec3, cross, dot, scale, subtract};
 use crate::layout::{FaceRecord, RATIONAL, SPAN_HEAD};
+use crate::vector::{Vec3, cross, dot, scale, subtract};
+use lanes::Lanes;
 
 /// Below this sine S_u and S_v count as parallel: their cross product then is mostly rounding error in f32.
 pub const PARALLEL: f32 = 1.0 / 1048576.0;
@@ -18,11 +19,11 @@ pub const COLLAPSED: f32 = 1.0 / 1048576.0;
 #[derive(Debug, Clone, Copy)]
 pub struct Basis<const CAPACITY: usize, const N: usize> {
     /// N_r.
-    pub value: [Lanes<N>; CAPACITY],
+    pub value: [Lanes<f32, N>; CAPACITY],
     /// N'_r.
-    pub first: [Lanes<N>; CAPACITY],
+    pub first: [Lanes<f32, N>; CAPACITY],
     /// N''_r; zeros unless asked for.
-    pub second: [Lanes<N>; CAPACITY],
+    pub second: [Lanes<f32, N>; CAPACITY],
 }
 
 /// Position and derivatives in local coordinates.
@@ -115,17 +116,20 @@ pub fn find_span(starts: &[f32], t: f32) -> usize {
 pub fn basis<const CAPACITY: usize, const N: usize>(
     knots: &[f32],
     degree: usize,
-    t: Lanes<N>,
+    t: Lanes<f32, N>,
     gain: f32,
     second: bool,
 ) -> Basis<CAPACITY, N> {
-    let mut b =
-        Basis { value: [Lanes::ZERO; CAPACITY], first: [Lanes::ZERO; CAPACITY], second: [Lanes::ZERO; CAPACITY] };
-    let mut term = [Lanes::<N>::ZERO; CAPACITY];
+    let mut b = Basis {
+        value: [Lanes::<f32, N>::ZERO; CAPACITY],
+        first: [Lanes::<f32, N>::ZERO; CAPACITY],
+        second: [Lanes::<f32, N>::ZERO; CAPACITY],
+    };
+    let mut term = [Lanes::<f32, N>::ZERO; CAPACITY];
     let mut reciprocal = [0.0f32; CAPACITY];
     b.value[0] = Lanes::splat(1.0);
-    for j in 1..=degree {
-        let mut saved = Lanes::ZERO;
+    for j in 1..degree + 1 {
+        let mut saved = Lanes::<f32, N>::ZERO;
         for r in 0..j {
             let right = knots[degree + r];
             let left = knots[degree + r - j];
@@ -153,11 +157,11 @@ pub fn basis<const CAPACITY: usize, const N: usize>(
 /// N'_r = p (term_{r−1} − term_r), times `gain`.
 #[inline(always)]
 fn differences<const CAPACITY: usize, const N: usize>(
-    term: &[Lanes<N>; CAPACITY],
+    term: &[Lanes<f32, N>; CAPACITY],
     degree: usize,
     gain: f32,
-) -> [Lanes<N>; CAPACITY] {
-    let mut d = [Lanes::ZERO; CAPACITY];
+) -> [Lanes<f32, N>; CAPACITY] {
+    let mut d = [Lanes::<f32, N>::ZERO; CAPACITY];
     let p = degree as f32 * gain;
     d[0] = -term[0] * p;
     for r in 1..degree {
@@ -178,17 +182,17 @@ pub fn surface<const CAPACITY: usize, const N: usize>(
     nv: &Basis<CAPACITY, N>,
     second: bool,
 ) -> Derivatives<N> {
-    let zero = [Lanes::<N>::ZERO; 4];
+    let zero = [Lanes::<f32, N>::ZERO; 4];
     let [mut a, mut a_u, mut a_v, mut a_uu, mut a_uv, mut a_vv] = [zero; 6];
     // The twin adds vec4s. Here each component runs through both sums by itself, so that its running sums stay in
     // registers; their order, and so every bit, is the same. Without a quotient nobody reads w.
     let components = if face.flags & RATIONAL != 0 { 4 } else { 3 };
     for c in 0..components {
-        for i in 0..=degree[0] {
+        for i in 0..degree[0] + 1 {
             let start = face.points as usize + (first[0] + i) * face.count_v as usize + first[1];
             let points = &points[start..=start + degree[1]];
-            let [mut row, mut row_v, mut row_vv] = [Lanes::<N>::ZERO; 3];
-            for j in 0..=degree[1] {
+            let [mut row, mut row_v, mut row_vv] = [Lanes::<f32, N>::ZERO; 3];
+            for j in 0..degree[1] + 1 {
                 let point = points[j][c];
                 row = row + nv.value[j] * point;
                 row_v = row_v + nv.first[j] * point;
@@ -206,7 +210,7 @@ pub fn surface<const CAPACITY: usize, const N: usize>(
             }
         }
     }
-    let xyz = |x: [Lanes<N>; 4]| [x[0], x[1], x[2]];
+    let xyz = |x: [Lanes<f32, N>; 4]| [x[0], x[1], x[2]];
     let mut d = Derivatives { s: xyz(a), su: xyz(a_u), sv: xyz(a_v), suu: xyz(a_uu), suv: xyz(a_uv), svv: xyz(a_vv) };
     if face.flags & RATIONAL != 0 {
         // Piegl & Tiller, Eq. (4.20).
@@ -229,7 +233,7 @@ pub fn surface<const CAPACITY: usize, const N: usize>(
 
 /// S_u × S_v, its squared length, and the squared lengths of S_u and S_v.
 #[inline(always)]
-pub fn normal_terms<const N: usize>(d: &Derivatives<N>) -> (Vec3<N>, Lanes<N>, Lanes<N>, Lanes<N>) {
+pub fn normal_terms<const N: usize>(d: &Derivatives<N>) -> (Vec3<N>, Lanes<f32, N>, Lanes<f32, N>, Lanes<f32, N>) {
     let n = cross(d.su, d.sv);
     (n, dot(n, n), dot(d.su, d.su), dot(d.sv, d.sv))
 }
@@ -246,7 +250,7 @@ pub fn is_regular(n_squared: f32, su_squared: f32, sv_squared: f32) -> bool {
 ///
 /// There the shape operator is symmetric, so the difference of the two has no cancellation at umbilics.
 #[inline(always)]
-pub fn curvature<const N: usize>(d: &Derivatives<N>, n: Vec3<N>, su_squared: Lanes<N>) -> [Lanes<N>; 2] {
+pub fn curvature<const N: usize>(d: &Derivatives<N>, n: Vec3<N>, su_squared: Lanes<f32, N>) -> [Lanes<f32, N>; 2] {
     let length = su_squared.sqrt();
     let e1 = d.su.map(|x| x / length);
     let e2 = cross(n, e1);

@@ -1,9 +1,10 @@
 //! The fragment program: from interpolated (u, v) and a face to what the pixel shows. Twin of `shaders/fragment.wgsl`.
 
 use crate::eval::{self, Basis, Derivatives, Span};
-use crate::lanes::{Lanes, Vec3};
 use crate::layout::{FaceRecord, Parameters, REVERSED, SEARCHED};
 use crate::packed::PackedScene;
+use crate::vector::Vec3;
+use lanes::{Kernel, Lanes, Level, run};
 use nurbs::{MAX_ORDER, NormalStatus};
 
 /// How many fragments the rasterizer evaluates together.
@@ -58,15 +59,19 @@ pub fn fragment(scene: &PackedScene, face: u32, at: Parameters, curvature: bool)
 /// Runs the program for fragments of one face and appends them to `out`. Up to [`WIDTH`] that follow each other on the
 /// same spans go together; the answers are the same, to the bit, however they fall into groups.
 pub fn fragment_row(scene: &PackedScene, face: u32, at: &[Parameters], curvature: bool, out: &mut Vec<Fragment>) {
+    row_at(Level::new(), scene, face, at, curvature, out);
+}
+
+fn row_at(level: Level, scene: &PackedScene, face: u32, at: &[Parameters], curvature: bool, out: &mut Vec<Fragment>) {
     let f = &scene.faces()[face as usize];
-    row(scene, f, at, curvature, out, |lane, at, _| lane.fragment(f, face, at));
+    row(level, scene, f, at, curvature, out, |lane, at, _| lane.fragment(f, face, at));
 }
 
 /// The tangent planes of fragments of one face: the same numbers as in the program, appended to `out`.
 pub fn tangent_planes(scene: &PackedScene, face: u32, at: &[Parameters], out: &mut Vec<TangentPlane>) {
     let f = &scene.faces()[face as usize];
     let mut k = 0;
-    row(scene, f, at, false, out, |lane, found, spans| {
+    row(Level::new(), scene, f, at, false, out, |lane, found, spans| {
         k += 1;
         lane.tangent_plane(found, is_on_skirt(f, at[k - 1]), spans)
     });
@@ -77,7 +82,8 @@ pub fn tangent_plane(scene: &PackedScene, face: u32, at: Parameters) -> TangentP
     let f = &scene.faces()[face as usize];
     let found = found(scene, f, at);
     let spans = scene.spans(f, found.span);
-    specialised::<1>(scene, f, &spans, [found.uv], false).lane(0).tangent_plane(found, is_on_skirt(f, at), &spans)
+    let evaluated = Specialised { scene, f, spans: &spans, uv: [found.uv], curvature: false }.run();
+    evaluated.lane(0).tangent_plane(found, is_on_skirt(f, at), &spans)
 }
 
 /// Whether parameters are beyond the domain.
@@ -102,6 +108,7 @@ fn found(scene: &PackedScene, f: &FaceRecord, at: Parameters) -> Parameters {
 
 /// Evaluates a face at all places and appends what `finish` makes of each.
 fn row<T>(
+    level: Level,
     scene: &PackedScene,
     f: &FaceRecord,
     at: &[Parameters],
@@ -113,42 +120,51 @@ fn row<T>(
     let mut waiting = [Parameters { span: [0; 2], uv: [0.0; 2] }; WIDTH];
     let mut rest = at;
     while !rest.is_empty() {
-        let mut run = 0;
-        while run < rest.len().min(WIDTH) {
-            let next = found(scene, f, rest[run]);
-            if run > 0 && next.span != waiting[0].span {
+        let mut count = 0;
+        while count < rest.len().min(WIDTH) {
+            let next = found(scene, f, rest[count]);
+            if count > 0 && next.span != waiting[0].span {
                 break;
             }
-            waiting[run] = next;
-            run += 1;
+            waiting[count] = next;
+            count += 1;
         }
         let spans = scene.spans(f, waiting[0].span);
-        if run == 1 {
-            let all = specialised::<1>(scene, f, &spans, [waiting[0].uv], curvature);
+        if count == 1 {
+            let all = Specialised { scene, f, spans: &spans, uv: [waiting[0].uv], curvature }.run();
             out.push(finish(all.lane(0), waiting[0], &spans));
         } else {
-            let padded = std::array::from_fn(|i| waiting[i.min(run - 1)].uv);
-            let all = specialised::<WIDTH>(scene, f, &spans, padded, curvature);
-            out.extend((0..run).map(|i| finish(all.lane(i), waiting[i], &spans)));
+            // The last stands in for those that are missing.
+            let uv: [[f32; 2]; WIDTH] = std::array::from_fn(|i| waiting[i.min(count - 1)].uv);
+            let all = run(level, Specialised { scene, f, spans: &spans, uv, curvature });
+            out.extend((0..count).map(|i| finish(all.lane(i), waiting[i], &spans)));
         }
-        rest = &rest[run..];
+        rest = &rest[count..];
     }
 }
 
-/// A specialised program knows its degree; the compiler then unrolls every loop.
-fn specialised<const N: usize>(
-    scene: &PackedScene,
-    f: &FaceRecord,
-    spans: &[Span; 2],
+/// The program at `N` places on one pair of spans. Of a degree that the compiler knows it unrolls every loop.
+struct Specialised<'a, const N: usize> {
+    scene: &'a PackedScene,
+    f: &'a FaceRecord,
+    spans: &'a [Span<'a>; 2],
     uv: [[f32; 2]; N],
     curvature: bool,
-) -> Evaluated<N> {
-    match [f.degree_u, f.degree_v] {
-        [3, 3] if curvature => evaluate::<4, N>(scene, f, [3, 3], spans, uv, true),
-        [3, 3] => evaluate::<4, N>(scene, f, [3, 3], spans, uv, false),
-        [5, 5] if curvature => evaluate::<6, N>(scene, f, [5, 5], spans, uv, true),
-        [5, 5] => evaluate::<6, N>(scene, f, [5, 5], spans, uv, false),
-        [p, q] => evaluate::<MAX_ORDER, N>(scene, f, [p as usize, q as usize], spans, uv, curvature),
+}
+
+impl<const N: usize> Kernel for Specialised<'_, N> {
+    type Output = Evaluated<N>;
+
+    #[inline(always)]
+    fn run(self) -> Evaluated<N> {
+        let Self { scene, f, spans, uv, curvature } = self;
+        match [f.degree_u, f.degree_v] {
+            [3, 3] if curvature => evaluate::<4, N>(scene, f, [3, 3], spans, uv, true),
+            [3, 3] => evaluate::<4, N>(scene, f, [3, 3], spans, uv, false),
+            [5, 5] if curvature => evaluate::<6, N>(scene, f, [5, 5], spans, uv, true),
+            [5, 5] => evaluate::<6, N>(scene, f, [5, 5], spans, uv, false),
+            [p, q] => evaluate::<MAX_ORDER, N>(scene, f, [p as usize, q as usize], spans, uv, curvature),
+        }
     }
 }
 
@@ -158,10 +174,10 @@ struct Evaluated<const N: usize> {
     su: Vec3<N>,
     sv: Vec3<N>,
     normal: Vec3<N>,
-    n_squared: Lanes<N>,
-    squared: [Lanes<N>; 2],
-    curvature: [Lanes<N>; 2],
-    speed: [Lanes<N>; 2],
+    n_squared: Lanes<f32, N>,
+    squared: [Lanes<f32, N>; 2],
+    curvature: [Lanes<f32, N>; 2],
+    speed: [Lanes<f32, N>; 2],
 }
 
 #[inline(always)]
@@ -189,7 +205,7 @@ fn evaluate<const CAPACITY: usize, const N: usize>(
         normal: n,
         n_squared,
         squared: [su_squared, sv_squared],
-        curvature: if second { eval::curvature(&d, n, su_squared) } else { [Lanes::ZERO; 2] },
+        curvature: if second { eval::curvature(&d, n, su_squared) } else { [Lanes::<f32, N>::ZERO; 2] },
         speed: [su_squared.sqrt(), sv_squared.sqrt()],
     }
 }
@@ -257,5 +273,51 @@ impl Lane {
             speed: self.speed,
             edge: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scheme;
+    use lanes::levels;
+
+    /// As numbers that tell zeros of either sign and NaNs apart.
+    fn bits(fragment: &Fragment) -> [u32; 17] {
+        let Fragment { face, uv, span, position, normal, status, curvature, speed, edge } = *fragment;
+        assert_eq!(edge, None);
+        let reals = uv.into_iter().chain(position).chain(normal).chain(curvature).chain(speed).map(f32::to_bits);
+        let all: Vec<u32> = reals.chain([face, span[0], span[1], status as u32, 0]).collect();
+        all.try_into().expect("seventeen")
+    }
+
+    #[test]
+    fn every_width_gives_the_bits_of_one_fragment() {
+        let mut tried = 0;
+        for name in ["rational", "teapot", "petal", "cone", "degree-5x5", "degree-2x8"] {
+            let model = models::builtin(name).expect("built in");
+            for scheme in [Scheme::General, Scheme::Specialised] {
+                let scene = PackedScene::new(&model, scheme).expect("packs");
+                for (id, face) in scene.faces().iter().enumerate().take(6) {
+                    // Runs of one to twenty on a span; corners, and parameters beyond them.
+                    let place = |i: usize| Parameters {
+                        span: [(i / 20) as u32 % face.spans_u, (i / 19) as u32 % face.spans_v],
+                        uv: [(i as f32 * 0.618034).fract() * 1.2 - 0.1, (i as f32 * 0.754878).fract() * 1.2 - 0.1],
+                    };
+                    let places: Vec<Parameters> = (0..97).map(place).collect();
+                    for curvature in [false, true] {
+                        let alone: Vec<_> =
+                            places.iter().map(|&at| bits(&fragment(&scene, id as u32, at, curvature))).collect();
+                        for level in levels() {
+                            let mut together = vec![];
+                            row_at(level, &scene, id as u32, &places, curvature, &mut together);
+                            assert_eq!(together.iter().map(bits).collect::<Vec<_>>(), alone, "{name}, {level:?}");
+                            tried += together.len();
+                        }
+                    }
+                }
+            }
+        }
+        assert!(tried > 10_000, "{tried}");
     }
 }

@@ -7,13 +7,13 @@ pub mod edge;
 pub mod enclosure;
 pub mod eval;
 pub mod fragment;
-mod lanes;
 mod layout;
 pub mod mask;
 mod mesh;
 mod packed;
 pub mod sight;
 pub mod trim;
+mod vector;
 pub mod wgsl;
 
 pub use lanes::Lanes;

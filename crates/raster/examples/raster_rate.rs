@@ -1,6 +1,9 @@
 //! Rates of the rasterizer: the fragment program alone, and whole frames; optionally a picture of what was drawn.
 //!
 //! `cargo run --release -p raster --example raster_rate [PICTURE.png]`
+//!
+//! Beside the time by the clock on the wall stands what all threads together took of processors, which does not count what
+//! others do on the machine.
 
 use gbuffer::{GBuffer, Meta};
 use glam::{DVec2, DVec3};
@@ -8,6 +11,7 @@ use nurbs::{KnotVector, Surface};
 use pipeline::fragment::fragment_row;
 use pipeline::{PackedScene, Parameters, Scheme};
 use raster::{Drawing, Options, Rasterizer};
+use rustix::time::{ClockId, clock_gettime};
 use scene::{Camera, Model, Projection, Viewport};
 use std::hint::black_box;
 use std::time::Instant;
@@ -37,11 +41,22 @@ fn sheet(nu: usize, nv: usize, corner: DVec2, side: f64) -> Surface {
     Surface::new(knots(nu), knots(nv), points, Some(weights)).expect("legal")
 }
 
-/// Median of nine runs, each of which gives seconds.
-fn median(run: &mut dyn FnMut() -> f64) -> f64 {
-    let mut times: Vec<f64> = (0..9).map(|_| run()).collect();
-    times.sort_by(f64::total_cmp);
-    times[4]
+/// Medians of nine runs, seconds: by the clock on the wall, and by that of the process.
+fn medians(run: &mut dyn FnMut()) -> [f64; 2] {
+    let process = || {
+        let time = clock_gettime(ClockId::ProcessCPUTime);
+        time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+    };
+    let mut times = [[0.0; 9]; 2];
+    for i in 0..9 {
+        let (wall, taken) = (Instant::now(), process());
+        run();
+        (times[0][i], times[1][i]) = (wall.elapsed().as_secs_f64(), process() - taken);
+    }
+    times.map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[4]
+    })
 }
 
 fn main() {
@@ -52,16 +67,15 @@ fn main() {
         let uv = |i: usize| [0.25 + i as f32 * 1e-4, 0.4 + (i % 64) as f32 * 1e-3];
         let places: Vec<_> = (0..4096).map(|i| Parameters { span: [5, 1], uv: uv(i) }).collect();
         let mut out = Vec::with_capacity(places.len());
-        let seconds = median(&mut || {
-            let start = Instant::now();
+        let [_, seconds] = medians(&mut || {
             for _ in 0..50 {
                 out.clear();
                 fragment_row(&scene, 0, black_box(&places), curvature, &mut out);
                 black_box(&out);
             }
-            start.elapsed().as_secs_f64() / (50 * places.len()) as f64
         });
-        println!("fragment program, bicubic rational, curvature {curvature}: {:.1} ns a fragment", seconds * 1e9);
+        let each = seconds / (50 * places.len()) as f64;
+        println!("fragment program, bicubic rational, curvature {curvature}: {:.1} ns a fragment", each * 1e9);
     }
     let patches = (0..10_000).map(|i| sheet(4, 4, DVec2::new((i / 100) as f64, (i % 100) as f64) * 0.01, 0.01));
     let many = Model::of_surfaces("10,000 patches", patches.collect()).expect("faces");
@@ -90,18 +104,17 @@ fn main() {
         let picture = frame();
         for threads in [1, rayon::current_num_threads()] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            let seconds = median(&mut || {
-                let start = Instant::now();
+            let [seconds, taken] = medians(&mut || {
                 pool.install(|| black_box(frame()));
-                start.elapsed().as_secs_f64()
             });
             println!(
-                "{}, {width}×{height}{filled}, {} triangles, {} pixels seen, {threads} threads: {:.2} ms a frame, {:.0} ns a seen pixel",
+                "{}, {width}×{height}{filled}, {} triangles, {} pixels seen, {threads} threads: {:.2} ms a frame, of processors {:.2} ms, {:.0} ns a seen pixel",
                 model.name(),
                 triangles.triangles(),
                 picture.covered(),
                 seconds * 1e3,
-                seconds * 1e9 / picture.covered() as f64
+                taken * 1e3,
+                taken * 1e9 / picture.covered() as f64
             );
         }
         if let (Some(path), ("sheet", "")) = (std::env::args().nth(1), (model.name(), filled)) {

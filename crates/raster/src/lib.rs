@@ -29,12 +29,15 @@ pub use sampler::PointSampler;
 use crate::rect::{Rect, TILE};
 use crate::resolve::Tile;
 use crate::visibility::Visibility;
-use gbuffer::{GBuffer, Meta};
+use gbuffer::{GBuffer, Meta, Rows};
 use rayon::prelude::*;
-use std::cell::RefCell;
 
-/// Pixels that are held twice, as tiles and as rows, at most (or one row of tiles): bounds memory, not the result.
+/// Pixels that are held twice, as tiles and as rows, at most (or one row of tiles): bounds memory, not the result. A thread has some
+/// tiles of them each.
 const PIXELS_AT_ONCE: usize = 1 << 18;
+
+/// Fragments of a tile at most.
+const FRAGMENTS: usize = TILE * TILE;
 
 /// A drawing, and who is seen in it.
 pub struct Rasterizer<'a> {
@@ -56,41 +59,41 @@ impl<'a> Rasterizer<'a> {
         let viewport = self.drawing.viewport;
         let (width, height) = (viewport.width(), viewport.height());
         let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
-        let together = (PIXELS_AT_ONCE / (columns * TILE * TILE)).max(1);
-        let bands = (0..rows).step_by(together).map(|first| first..rows.min(first + together));
-        let undecided = RefCell::new(vec![]);
-        let picture = bands.flat_map(|band| {
-            let first = band.start;
-            let tiles: Vec<Tile> = (band.start * columns..band.end * columns)
-                .into_par_iter()
-                .map(|i| {
-                    let (left, top) = (i % columns * TILE, i / columns * TILE);
-                    let rect = Rect {
-                        left: left as i32,
-                        top: top as i32,
-                        right: width.min(left + TILE) as i32,
-                        bottom: height.min(top + TILE) as i32,
-                    };
-                    let tile = resolve::tile(&self.drawing, &*self.visibility, rect);
-                    progress((rect.right - rect.left) as usize * (rect.bottom - rect.top) as usize);
-                    tile
-                })
-                .collect();
-            undecided.borrow_mut().extend(tiles.iter().flat_map(|tile| &tile.undecided).copied());
-            (band.start * TILE..height.min(band.end * TILE)).map(move |y| {
-                let mut row = Vec::with_capacity(columns * TILE);
-                for tile in &tiles[(y / TILE - first) * columns..][..columns] {
-                    match tile.hits.get(y % TILE * TILE..) {
-                        Some(rest) if !rest.is_empty() => row.extend_from_slice(&rest[..TILE]),
-                        _ => row.extend([None; TILE]),
-                    }
-                }
-                row.truncate(width);
-                row
-            })
-        });
-        let buffer = GBuffer::from_rows(viewport, meta, picture);
-        buffer.with_undecided(undecided.into_inner()).with_edges(self.drawing.scene.has_edges())
+        let together = (PIXELS_AT_ONCE / (columns * TILE * TILE)).clamp(1, rows);
+        let mut tiles: Vec<Tile> = (0..together * columns).map(|_| Tile::new()).collect();
+        let mut picture = Rows::new(viewport, meta);
+        let mut pixels = vec![];
+        let mut undecided = vec![];
+        for first in (0..rows).step_by(together) {
+            let tiles = &mut tiles[..together.min(rows - first) * columns];
+            tiles.par_iter_mut().enumerate().for_each(|(i, tile)| {
+                let (left, top) = (i % columns * TILE, (first + i / columns) * TILE);
+                let rect = Rect {
+                    left: left as i32,
+                    top: top as i32,
+                    right: width.min(left + TILE) as i32,
+                    bottom: height.min(top + TILE) as i32,
+                };
+                tile.draw(&self.drawing, &*self.visibility, rect);
+                progress((rect.right - rect.left) as usize * (rect.bottom - rect.top) as usize);
+            });
+            undecided.extend(tiles.iter().flat_map(|tile| &tile.undecided).copied());
+            let top = first * TILE;
+            pixels.resize((height.min((first + together) * TILE) - top) * width, Rows::NOTHING);
+            pixels.par_chunks_mut(width).enumerate().for_each(|(i, row)| {
+                let start = i / TILE * columns;
+                let seen = (start..start + columns).flat_map(|tile| {
+                    let number = move |fragment: u16| (tile * FRAGMENTS + usize::from(fragment)) as u32;
+                    tiles[tile].row(top + i).map(move |fragment| fragment.map_or(Rows::NOTHING, number))
+                });
+                row.iter_mut().zip(seen).for_each(|(pixel, seen)| *pixel = seen);
+            });
+            picture.extend(&pixels, |pixel| {
+                let (tile, fragment) = (pixel as usize / FRAGMENTS, pixel as usize % FRAGMENTS);
+                tiles[tile].hit(&self.drawing, fragment as u16)
+            });
+        }
+        picture.finish().with_undecided(undecided).with_edges(self.drawing.scene.has_edges())
     }
 
     /// Prepares to answer single samples.

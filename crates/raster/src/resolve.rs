@@ -10,31 +10,61 @@ use pipeline::fragment::{Fragment, fragment, fragment_row};
 use pipeline::{Parameters, edge};
 use scene::Ray;
 
-/// What a tile shows.
+/// Marks a pixel in which nothing is seen.
+const NOTHING: u16 = u16::MAX;
+
+/// What a tile shows, before it is widened. It is used for one tile after the other, and keeps its memory.
 pub struct Tile {
-    /// Hits, row × [`TILE`] + column; empty where nothing is seen in it.
-    pub hits: Vec<Option<Hit>>,
+    rect: Rect,
+    /// Of each pixel, row × [`TILE`] + column, which of the fragments it shows, or [`NOTHING`].
+    shown: Vec<u16>,
+    /// The pixel of each fragment.
+    pixels: Vec<u16>,
+    fragments: Vec<Fragment>,
+    /// What the triangles carry there, or none at all.
+    carried: Vec<Carried>,
     /// Pixels (x, y) of the picture in which a search has not converged.
     pub undecided: Vec<(usize, usize)>,
 }
 
-/// Draws a tile.
-pub fn tile(drawing: &Drawing, visibility: &dyn Visibility, rect: Rect) -> Tile {
-    let mut hits = vec![];
-    let mut fragments: Vec<Fragment> = vec![];
-    let undecided = visibility.tile(rect, &mut |run: &Run| {
-        if hits.is_empty() {
-            hits = vec![None; TILE * TILE];
-        }
-        fragment_row(drawing.scene, run.face, &run.places, drawing.options.curvature, &mut fragments);
-        for (i, (&pixel, fragment)) in run.pixels.iter().zip(&fragments).enumerate() {
-            let (x, y) = rect.position(pixel);
-            let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
-            hits[usize::from(pixel)] = Some(hit(drawing, fragment, at, run.carried.get(i)));
-        }
+impl Tile {
+    /// Shows nothing.
+    pub fn new() -> Self {
+        let rect = Rect { left: 0, top: 0, right: 0, bottom: 0 };
+        Self { rect, shown: vec![], pixels: vec![], fragments: vec![], carried: vec![], undecided: vec![] }
+    }
+
+    /// Draws a tile.
+    pub fn draw(&mut self, drawing: &Drawing, visibility: &dyn Visibility, rect: Rect) {
+        let Self { shown, pixels, fragments, carried, .. } = self;
+        shown.clear();
+        shown.resize(TILE * TILE, NOTHING);
+        pixels.clear();
         fragments.clear();
-    });
-    Tile { hits, undecided }
+        carried.clear();
+        self.rect = rect;
+        self.undecided = visibility.tile(rect, &mut |run: &Run| {
+            for &pixel in &run.pixels {
+                shown[usize::from(pixel)] = pixels.len() as u16;
+                pixels.push(pixel);
+            }
+            carried.extend_from_slice(&run.carried);
+            fragment_row(drawing.scene, run.face, &run.places, drawing.options.curvature, fragments);
+        });
+    }
+
+    /// Which fragments row `y` of the picture shows, from the tile's left side on.
+    pub fn row(&self, y: usize) -> impl Iterator<Item = Option<u16>> {
+        let row = &self.shown[(y - self.rect.top as usize) * TILE..][..(self.rect.right - self.rect.left) as usize];
+        row.iter().map(|&fragment| (fragment != NOTHING).then_some(fragment))
+    }
+
+    /// A fragment, widened.
+    pub fn hit(&self, drawing: &Drawing, fragment: u16) -> Hit {
+        let i = usize::from(fragment);
+        let (x, y) = self.rect.position(self.pixels[i]);
+        hit(drawing, &self.fragments[i], [f64::from(x) + 0.5, f64::from(y) + 0.5], self.carried.get(i))
+    }
 }
 
 /// What is seen at a sample at picture position `at`.

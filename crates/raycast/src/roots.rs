@@ -250,7 +250,7 @@ fn examine<const C: usize>(p: usize, q: usize, net: &Net<C>) -> Step {
     for j in 0..m {
         a += f[p * m + j] - f[j];
     }
-    for i in 0..=p {
+    for i in 0..p + 1 {
         b += f[i * m + q] - f[i * m];
     }
     a /= m as f64;
@@ -277,7 +277,7 @@ fn examine<const C: usize>(p: usize, q: usize, net: &Net<C>) -> Step {
         for k in 0..p * m {
             by_u = by_u.with(g[k + m] - g[k]);
         }
-        for i in 0..=p {
+        for i in 0..p + 1 {
             for j in 0..q {
                 by_v = by_v.with(g[i * m + j + 1] - g[i * m + j]);
             }
@@ -318,7 +318,7 @@ fn contract(p: usize, q: usize, f: &[DVec2], g: &[DVec2], r: f64, rows: DVec2, n
     let m = q + 1;
     let (bu, bv) = (&MIDDLE[p], &MIDDLE[q]);
     let mut middle = DVec2::ZERO;
-    for i in 0..=p {
+    for i in 0..p + 1 {
         let mut line = DVec2::ZERO;
         for j in 0..m {
             line += g[i * m + j] * bv[j];
@@ -366,7 +366,7 @@ fn newton(p: usize, q: usize, f: &[DVec2], start: DVec2) -> Option<DVec2> {
 fn evaluate(p: usize, q: usize, f: &[DVec2], x: DVec2) -> [DVec2; 3] {
     let m = q + 1;
     let (mut value, mut by_v) = ([DVec2::ZERO; MAX_ORDER], [DVec2::ZERO; MAX_ORDER]);
-    for i in 0..=p {
+    for i in 0..p + 1 {
         let mut line = [DVec2::ZERO; MAX_ORDER];
         line[..m].copy_from_slice(&f[i * m..i * m + m]);
         (value[i], by_v[i]) = de_casteljau(q, &mut line, x.y);
@@ -381,7 +381,7 @@ fn evaluate(p: usize, q: usize, f: &[DVec2], x: DVec2) -> [DVec2; 3] {
 fn de_casteljau(p: usize, line: &mut [DVec2; MAX_ORDER], t: f64) -> (DVec2, DVec2) {
     let s = 1.0 - t;
     for r in 1..p {
-        for i in 0..=p - r {
+        for i in 0..p - r + 1 {
             line[i] = line[i] * s + line[i + 1] * t;
         }
     }
@@ -403,7 +403,7 @@ impl<const C: usize> Net<C> {
         for k in 0..p * m {
             by_u = greater(by_u, length(self.f[k + m], self.f[k]));
         }
-        for i in 0..=p {
+        for i in 0..p + 1 {
             for j in 0..q {
                 by_v = greater(by_v, length(self.f[i * m + j + 1], self.f[i * m + j]));
             }
@@ -421,7 +421,7 @@ impl<const C: usize> Net<C> {
                 halve_line(p, j, m, &mut self.f, &mut upper.f);
             }
         } else {
-            for i in 0..=p {
+            for i in 0..p + 1 {
                 halve_line(q, i * m, 1, &mut self.f, &mut upper.f);
             }
         }
@@ -438,7 +438,7 @@ impl<const C: usize> Net<C> {
         for j in 0..m {
             cut_line(p, j, m, &mut self.f, low.x, high.x);
         }
-        for i in 0..=p {
+        for i in 0..p + 1 {
             cut_line(q, i * m, 1, &mut self.f, low.y, high.y);
         }
     }
@@ -448,10 +448,10 @@ impl<const C: usize> Net<C> {
 #[inline(always)]
 fn halve_line(p: usize, start: usize, step: usize, lower: &mut [DVec2], upper: &mut [DVec2]) {
     let mut d = [DVec2::ZERO; MAX_ORDER];
-    for i in 0..=p {
+    for i in 0..p + 1 {
         d[i] = lower[start + i * step];
     }
-    for r in 0..=p {
+    for r in 0..p + 1 {
         lower[start + r * step] = d[0];
         upper[start + (p - r) * step] = d[p - r];
         for i in 0..p - r {
@@ -464,21 +464,21 @@ fn halve_line(p: usize, start: usize, step: usize, lower: &mut [DVec2], upper: &
 #[inline(always)]
 fn cut_line(p: usize, start: usize, step: usize, f: &mut [DVec2], low: f64, high: f64) {
     let mut d = [DVec2::ZERO; MAX_ORDER];
-    for i in 0..=p {
+    for i in 0..p + 1 {
         d[i] = f[start + i * step];
     }
-    for r in 1..=p {
-        for i in (r..=p).rev() {
+    for r in 1..p + 1 {
+        for i in (r..p + 1).rev() {
             d[i] = d[i - 1] * (1.0 - high) + d[i] * high;
         }
     }
     let low = low / high;
-    for r in 1..=p {
-        for i in 0..=p - r {
+    for r in 1..p + 1 {
+        for i in 0..p - r + 1 {
             d[i] = d[i] * (1.0 - low) + d[i + 1] * low;
         }
     }
-    for i in 0..=p {
+    for i in 0..p + 1 {
         f[start + i * step] = d[i];
     }
 }

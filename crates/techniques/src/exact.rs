@@ -1,6 +1,6 @@
 //! Technique `exact`: conservative hulls of Bézier pieces; each pixel solves for the point on its own ray.
 //!
-//! `hulls` cuts pieces and draws hulls around them, [`newton`] solves, `cpu` and `gpu` find who is nearest.
+//! `hulls` cuts pieces and draws hulls around them, [`newton`] solves, [`together`] for several pixels at once, `cpu` and `gpu` find who is nearest.
 
 mod cpu;
 pub mod fold;
@@ -10,6 +10,7 @@ pub mod newton;
 mod pieces;
 pub mod place;
 mod record;
+pub mod together;
 
 pub use hulls::Hulls;
 pub use record::PieceRecord;

@@ -6,6 +6,8 @@
 use super::hulls::{CORNERS, Hulls};
 use super::newton::{self, Outcome};
 use super::record::PieceRecord;
+use super::together;
+use lanes::Level;
 use pipeline::{Parameters, Sight};
 use raster::Drawing;
 use raster::bins::Bins;
@@ -55,20 +57,33 @@ impl Visibility for Searches<'_> {
         let mut uv = vec![[0.0; 2]; TILE * TILE];
         let mut unconverged = vec![];
         let mut owners: Vec<usize> = vec![];
+        let (mut covered, mut sights, mut outcomes) = (vec![], vec![], vec![]);
+        let level = Level::new();
         for &id in self.bins.of_pixel(rect.left as usize, rect.top as usize) {
             let Some((piece, triangle)) = self.far_side(id, [0.0; 2]) else { continue };
             let owner = owners.len() as u32;
             owners.push(piece);
-            for_each_covered(&triangle, rect, |x, y| match self.look(piece, [x as f32 + 0.5, y as f32 + 0.5]) {
-                Outcome::Hit { uv: found, depth } => {
-                    if tile.passes(x, y, depth) {
-                        uv[tile.index(x, y)] = found;
-                        tile.test(x, y, depth, owner);
-                    }
-                }
-                Outcome::Miss => {}
-                Outcome::Unconverged => unconverged.push((x as usize, y as usize)),
+            covered.clear();
+            sights.clear();
+            outcomes.clear();
+            let view = &self.drawing.views[self.pieces[piece].face as usize];
+            for_each_covered(&triangle, rect, |x, y| {
+                covered.push([x, y]);
+                sights.push(Sight::new(view, [x as f32 + 0.5, y as f32 + 0.5]));
             });
+            together::solve_many(level, self.drawing.scene, &self.pieces[piece], &sights, &mut outcomes);
+            for (&[x, y], outcome) in covered.iter().zip(&outcomes) {
+                match *outcome {
+                    Outcome::Hit { uv: found, depth } => {
+                        if tile.passes(x, y, depth) {
+                            uv[tile.index(x, y)] = found;
+                            tile.test(x, y, depth, owner);
+                        }
+                    }
+                    Outcome::Miss => {}
+                    Outcome::Unconverged => unconverged.push((x as usize, y as usize)),
+                }
+            }
         }
         let (pixels, starts) = tile.by_owner(owners.len());
         let mut run = Run::default();

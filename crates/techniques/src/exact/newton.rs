@@ -124,30 +124,29 @@ pub struct Solution {
 }
 
 /// Where a search ended.
-struct End {
+#[derive(Clone, Copy)]
+pub(super) struct End {
     outcome: Outcome,
     at: Place,
 }
 
 /// The nearest point of a piece on a pixel's ray.
 pub fn solve(scene: &PackedScene, piece: &PieceRecord, sight: &Sight) -> Solution {
-    let Some((seeds, nearest_w)) = seeds(piece, sight) else {
+    let Some(seeds) = seeds(piece, sight) else {
         return Solution { outcome: Outcome::Miss, evaluations: 0 };
     };
-    let face = &scene.faces()[piece.face as usize];
-    let degree = [face.degree_u, face.degree_v].map(|p| p as usize);
-    let problem = Problem { scene, piece, sight, nearest_w, degree, evaluations: Cell::new(0) };
-    match degree {
-        [3, 3] => Problem { degree: [3, 3], ..problem }.search_all::<4>(seeds),
-        [5, 5] => Problem { degree: [5, 5], ..problem }.search_all::<6>(seeds),
-        _ => problem.search_all::<MAX_ORDER>(seeds),
+    let problem = Problem::new(scene, piece, sight, seeds.1);
+    match problem.degree {
+        [3, 3] => problem.search_all::<4>(seeds.0, None),
+        [5, 5] => problem.search_all::<6>(seeds.0, None),
+        _ => problem.search_all::<MAX_ORDER>(seeds.0, None),
     }
 }
 
 /// Parameters where the ray enters and leaves the hull, as if the piece were flat; `None` where it does not meet it in
 /// front of the near plane.
 #[inline]
-fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<([[f32; 2]; 2], f32)> {
+pub(super) fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<([[f32; 2]; 2], f32)> {
     let rows = &piece.hull_from_local;
     let center = [rows[0][3], rows[1][3], rows[2][3]];
     let [x, y] = [&sight.x, &sight.y].map(|p| [p[0], p[1], p[2]]);
@@ -195,18 +194,115 @@ fn seeds(piece: &PieceRecord, sight: &Sight) -> Option<([[f32; 2]; 2], f32)> {
     Some(([parameters(near), parameters(far)], w(near).min(w(far))))
 }
 
-impl Problem<'_> {
+/// One search: the best place so far, and the step from it. The twin's `search` has this in its loop.
+pub(super) struct Walk {
+    best: Place,
+    step: [f32; 2],
+    /// Where the surface is wanted next.
+    pub uv: [f32; 2],
+    /// Places that were looked at.
+    places: u32,
+    doubts: u32,
+    halvings: u32,
+}
+
+impl Walk {
+    /// A search that begins at a place. [`Self::judge`] says how to go on.
     #[inline(always)]
-    fn search_all<const CAPACITY: usize>(&self, [first, last]: [[f32; 2]; 2]) -> Solution {
-        let extent = extent(self.piece);
-        let near = |a: [f32; 2], b: [f32; 2], share: f32| (0..2).all(|k| (a[k] - b[k]).abs() <= share * extent[k]);
+    pub fn new(piece: &PieceRecord, at: Place) -> Self {
+        let [low, high] = searched(piece);
+        let step = slid(&at, newton_step(&at), low, high);
+        Self { best: at, step, uv: at.uv, places: 1, doubts: 0, halvings: 0 }
+    }
+
+    /// Takes the place that was wanted; where the search ends, says how.
+    #[inline(always)]
+    pub fn advance(&mut self, piece: &PieceRecord, next: Place) -> Option<End> {
+        let [low, high] = searched(piece);
+        let best = &self.best;
+        let comes_forward = best.w <= 0.0 && next.w > 0.0;
+        let goes_back = best.w > 0.0 && next.w <= 0.0;
+        let improved = comes_forward || (!goes_back && next.squared < best.squared);
+        let slow = !comes_forward && next.squared > (1.0 - SLOW) * best.squared;
+        self.places += 1;
+        if improved {
+            self.best = next;
+            self.step = slid(&next, newton_step(&next), low, high);
+            self.halvings = 0;
+        } else if self.halvings == HALVINGS {
+            return Some(End { outcome: stopped(piece, &self.best, !goes_back), at: self.best });
+        } else {
+            self.step = self.step.map(|x| x * 0.5);
+            self.halvings += 1;
+        }
+        self.judge(piece, improved, slow)
+    }
+
+    /// Whether the search is over; if not, where it goes.
+    #[inline(always)]
+    pub fn judge(&mut self, piece: &PieceRecord, improved: bool, slow: bool) -> Option<End> {
+        let extent = extent(piece);
+        let [low, high] = searched(piece);
+        let Self { best, step, .. } = *self;
+        let longest = step[0].abs().max(step[1].abs());
+        let bend = longest * longest;
+        let recedes = best.recedes[0] * step[0] + best.recedes[1] * step[1];
+        let is_last = piece.patience == 0
+            && best.w > 0.0
+            && bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
+            && recedes * recedes * best.squared <= FINE_PX * FINE_PX
+            && left_squared(&best, step) <= FINE_PX * FINE_PX;
+        if is_last {
+            return Some(End { outcome: arrived(piece, &best, step), at: best });
+        }
+        if best.w > 0.0 && best.squared <= FINE_PX * FINE_PX {
+            return Some(End { outcome: arrived(piece, &best, [0.0; 2]), at: best });
+        }
+        let uv = [0, 1].map(|k| (best.uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
+        let promising = promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k]));
+        if improved && (slow || !promising) {
+            if self.doubts >= patience(piece, &best, promising) || uv == best.uv {
+                return Some(End { outcome: stopped(piece, &best, true), at: best });
+            }
+            self.doubts += 1;
+        }
+        self.uv = uv;
+        (self.places == EVALUATIONS).then(|| End { outcome: stopped(piece, &best, false), at: best })
+    }
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(scene: &'a PackedScene, piece: &'a PieceRecord, sight: &'a Sight, nearest_w: f32) -> Self {
+        let face = &scene.faces()[piece.face as usize];
+        let degree = [face.degree_u, face.degree_v].map(|p| p as usize);
+        Self { scene, piece, sight, nearest_w, degree, evaluations: Cell::new(0) }
+    }
+
+    /// The first seeds: both ends, or one between them.
+    #[inline(always)]
+    pub(super) fn queue(&self, [first, last]: [[f32; 2]; 2]) -> Queue {
         let mut queue = Queue { seeds: [[0.0; 2]; QUEUE], count: 0 };
-        if near(first, last, ONE_SEED) {
+        if self.near(first, last, ONE_SEED) {
             queue.push([0, 1].map(|k| 0.5 * (first[k] + last[k])));
         } else {
             queue.push(first);
             queue.push(last);
         }
+        queue
+    }
+
+    /// Whether two places are within a share of the piece.
+    #[inline(always)]
+    fn near(&self, a: [f32; 2], b: [f32; 2], share: f32) -> bool {
+        let extent = extent(self.piece);
+        (0..2).all(|k| (a[k] - b[k]).abs() <= share * extent[k])
+    }
+
+    /// Searches from all seeds; `begun` is how the first search ended, where that is known.
+    #[inline(always)]
+    pub(super) fn search_all<const CAPACITY: usize>(&self, seeds: [[f32; 2]; 2], begun: Option<End>) -> Solution {
+        let extent = extent(self.piece);
+        let mut queue = self.queue(seeds);
         let face = &self.scene.faces()[self.piece.face as usize];
         let given = queue.count;
         let mut before = [f32::MAX; 2];
@@ -215,7 +311,10 @@ impl Problem<'_> {
         let mut best = Outcome::Miss;
         let mut k = 0;
         while k < queue.count {
-            let end = self.search::<CAPACITY>(queue.seeds[k], if restarts.contains(&k) { approaches } else { 0 });
+            let end = match begun {
+                Some(end) if k == 0 => end,
+                _ => self.search::<CAPACITY>(queue.seeds[k], if restarts.contains(&k) { approaches } else { 0 }),
+            };
             best = match (best, end.outcome) {
                 (Outcome::Hit { depth: old, .. }, Outcome::Hit { depth: new, .. }) if new <= old => best,
                 (_, Outcome::Hit { uv, .. }) if is_shown(self.scene, face, &self.footprint(face, &end.at, uv)) => {
@@ -237,7 +336,7 @@ impl Problem<'_> {
                     queue.push([0, 1].map(|k| self.piece.rectangle[k] + [s, t][k] * extent[k]));
                 }
             }
-            if k < given && end.at.w > 0.0 && is_edge_on(&end.at) && !near(end.at.uv, before, ONE_END) {
+            if k < given && end.at.w > 0.0 && is_edge_on(&end.at) && !self.near(end.at.uv, before, ONE_END) {
                 let is_met = matches!(end.outcome, Outcome::Hit { .. });
                 again::<CAPACITY>(self, &end.at, is_met, &mut queue);
             }
@@ -258,52 +357,14 @@ impl Problem<'_> {
             let step = slid(&at, newton_step(&at), low, high);
             uv = [0, 1].map(|k| (uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
         }
-        let mut best = self.place::<CAPACITY>(uv, true);
-        let mut step = slid(&best, newton_step(&best), low, high);
-        let (mut doubts, mut halvings) = (0, 0);
-        for k in 0..EVALUATIONS {
-            let (mut improved, mut slow) = (true, false);
-            if k > 0 {
-                let next = self.place::<CAPACITY>(uv, true);
-                let comes_forward = best.w <= 0.0 && next.w > 0.0;
-                let goes_back = best.w > 0.0 && next.w <= 0.0;
-                improved = comes_forward || (!goes_back && next.squared < best.squared);
-                slow = !comes_forward && next.squared > (1.0 - SLOW) * best.squared;
-                if improved {
-                    best = next;
-                    step = slid(&best, newton_step(&best), low, high);
-                    halvings = 0;
-                } else if halvings == HALVINGS {
-                    return End { outcome: stopped(piece, &best, !goes_back), at: best };
-                } else {
-                    step = step.map(|x| x * 0.5);
-                    halvings += 1;
-                }
-            }
-            let longest = step[0].abs().max(step[1].abs());
-            let bend = longest * longest;
-            let recedes = best.recedes[0] * step[0] + best.recedes[1] * step[1];
-            let is_last = piece.patience == 0
-                && best.w > 0.0
-                && bend * bend * best.side_squared <= LAST_BEND_PX * LAST_BEND_PX
-                && recedes * recedes * best.squared <= FINE_PX * FINE_PX
-                && left_squared(&best, step) <= FINE_PX * FINE_PX;
-            if is_last {
-                return End { outcome: arrived(piece, &best, step), at: best };
-            }
-            if best.w > 0.0 && best.squared <= FINE_PX * FINE_PX {
-                return End { outcome: arrived(piece, &best, [0.0; 2]), at: best };
-            }
-            uv = [0, 1].map(|k| (best.uv[k] + step[k] * extent[k]).max(low[k]).min(high[k]));
-            let promising = promises(&best, [0, 1].map(|k| (uv[k] - best.uv[k]) / extent[k]));
-            if improved && (slow || !promising) {
-                if doubts >= patience(piece, &best, promising) || uv == best.uv {
-                    return End { outcome: stopped(piece, &best, true), at: best };
-                }
-                doubts += 1;
+        let mut walk = Walk::new(piece, self.place::<CAPACITY>(uv, true));
+        let mut end = walk.judge(piece, true, false);
+        loop {
+            match end {
+                Some(end) => return end,
+                None => end = walk.advance(piece, self.place::<CAPACITY>(walk.uv, true)),
             }
         }
-        End { outcome: stopped(piece, &best, false), at: best }
     }
 
     /// Whether the piece measures more than [`LARGE_PX`] where the ray comes into its hull, by what it does at a place.

@@ -1,9 +1,10 @@
 //! A piece at one place of a search: where it is seen from a pixel, and how that changes. Twin of `shaders/exact/place.wgsl`.
 
 use super::record::PieceRecord;
+use lanes::{Kernel, Lanes};
+use pipeline::PackedScene;
 use pipeline::eval::{self, Basis, Derivatives};
 use pipeline::sight::{Sight, dot, plane};
-use pipeline::{Lanes, PackedScene};
 use std::cell::Cell;
 
 /// What f32 may leave of an offset, as a share of the pixels that the face's own frame measures: eight roundings of S, and of
@@ -60,19 +61,55 @@ pub struct Problem<'a> {
     pub evaluations: Cell<u32>,
 }
 
+/// The piece's surface at `N` places: S, S_u and S_v. `CAPACITY` is 4 for degrees 3, 6 for degrees 5, else the greatest order.
+pub struct Points<'a, const CAPACITY: usize, const N: usize> {
+    /// The scene.
+    pub scene: &'a PackedScene,
+    /// The piece.
+    pub piece: &'a PieceRecord,
+    /// Degrees of its face.
+    pub degree: [usize; 2],
+    /// Parameters of the span.
+    pub uv: [[f32; 2]; N],
+}
+
+impl<const CAPACITY: usize, const N: usize> Kernel for Points<'_, CAPACITY, N> {
+    type Output = [[Lanes<f32, N>; 3]; 3];
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self { scene, piece, degree, uv } = self;
+        // Known to the compiler, which then unrolls every loop.
+        let degree = match CAPACITY {
+            4 => [3, 3],
+            6 => [5, 5],
+            _ => degree,
+        };
+        let face = &scene.faces()[piece.face as usize];
+        let [span_u, span_v] = scene.spans(face, [piece.span_u, piece.span_v]);
+        let [u, v] = [0, 1].map(|k| Lanes(uv.map(|uv| uv[k])));
+        let nu: Basis<CAPACITY, N> = eval::basis(span_u.knots, degree[0], u, 1.0, false);
+        let nv: Basis<CAPACITY, N> = eval::basis(span_v.knots, degree[1], v, 1.0, false);
+        let first = [span_u.first, span_v.first];
+        let d: Derivatives<N> = eval::surface(face, degree, scene.points(), first, &nu, &nv, false);
+        [d.s, d.su, d.sv]
+    }
+}
+
 impl Problem<'_> {
     /// Evaluates the piece; `is_divided` where the offset is wanted in pixels, in front of the eye.
     #[inline(always)]
     pub fn place<const CAPACITY: usize>(&self, uv: [f32; 2], is_divided: bool) -> Place {
-        let &Self { scene, piece, sight, degree, ref evaluations, .. } = self;
+        let &Self { scene, piece, degree, .. } = self;
+        let point = Points::<CAPACITY, 1> { scene, piece, degree, uv: [uv] }.run();
+        self.seen(uv, point.map(|x| x.map(|x| x.0[0])), is_divided)
+    }
+
+    /// The place where the surface is this.
+    #[inline(always)]
+    pub fn seen(&self, uv: [f32; 2], [s, su, sv]: [[f32; 3]; 3], is_divided: bool) -> Place {
+        let &Self { piece, sight, ref evaluations, .. } = self;
         evaluations.set(evaluations.get() + 1);
-        let face = &scene.faces()[piece.face as usize];
-        let [span_u, span_v] = scene.spans(face, [piece.span_u, piece.span_v]);
-        let nu: Basis<CAPACITY, 1> = eval::basis(span_u.knots, degree[0], Lanes([uv[0]]), 1.0, false);
-        let nv: Basis<CAPACITY, 1> = eval::basis(span_v.knots, degree[1], Lanes([uv[1]]), 1.0, false);
-        let first = [span_u.first, span_v.first];
-        let d: Derivatives<1> = eval::surface(face, degree, scene.points(), first, &nu, &nv, false);
-        let [s, su, sv] = [d.s, d.su, d.sv].map(|x| x.map(|x| x.0[0]));
         let extent = extent(piece);
         let w = plane(&sight.w, s);
         let divided = is_divided && w > 0.0;

@@ -1,7 +1,7 @@
 //! The corners of a tessellation: a grid a span, with a skirt where loops bound the face.
 
 use glam::DVec2;
-use nurbs::Surface;
+use nurbs::{FirstDerivatives, Surface};
 use pipeline::{PackedScene, Parameters, SEARCHED, Vertex};
 use scene::{FaceId, Model, Region};
 use std::ops::Range;
@@ -101,11 +101,18 @@ impl Grid {
 
 /// The vertices of one face.
 pub(super) fn mesh(model: &Model, scene: &PackedScene, id: usize, grids: &[Grid]) -> Vec<Vertex> {
-    let of_grid = |grid: &Grid| {
-        let span = grid.span;
-        grid.corners.iter().map(|&uv| corner(model, scene, id, Parameters { span, uv })).collect::<Vec<_>>()
-    };
-    grids.iter().flat_map(of_grid).collect()
+    let surface = model.surface(FaceId(id as u32));
+    let mut vertices = Vec::with_capacity(grids.iter().map(|grid| grid.corners.len()).sum());
+    let mut evaluated = vec![];
+    for grid in grids {
+        let places = grid.corners.iter().map(|&uv| Place::new(model, scene, id, Parameters { span: grid.span, uv }));
+        let places: Vec<Place> = places.collect();
+        evaluated.clear();
+        surface.evaluate_many(&places.iter().map(|place| place.uv).collect::<Vec<_>>(), &mut evaluated);
+        let known = places.iter().zip(&evaluated);
+        vertices.extend(known.map(|(place, known)| place.vertex(model, scene, id, known.derivatives)));
+    }
+    vertices
 }
 
 /// A normal is taken from tangents that are longer, across the span, than this share of the face, and whose angle's sine is greater; else
@@ -114,35 +121,55 @@ const CLEAR: f64 = 1e-9;
 
 /// A vertex of a face.
 pub(super) fn corner(model: &Model, scene: &PackedScene, id: usize, at: Parameters) -> Vertex {
-    let surface = model.surface(FaceId(id as u32));
-    let frame = &scene.frames()[id];
-    let border = at.uv.map(|t| t.clamp(0.0, 1.0));
-    let (uv, length) = if at.span[0] == SEARCHED {
-        let [[u0, u1], [v0, v1]] = surface.domain();
-        let size = DVec2::new(u1 - u0, v1 - v0);
-        (DVec2::new(u0, v0) + size * DVec2::from_array(border.map(f64::from)), size)
-    } else {
+    let place = Place::new(model, scene, id, at);
+    let d = model.surface(FaceId(id as u32)).first_derivatives(place.uv.x, place.uv.y);
+    place.vertex(model, scene, id, d)
+}
+
+/// Where a vertex stands on its surface.
+struct Place {
+    at: Parameters,
+    /// The nearest parameters of the domain.
+    uv: DVec2,
+    /// The size of the span.
+    length: DVec2,
+}
+
+impl Place {
+    fn new(model: &Model, scene: &PackedScene, id: usize, at: Parameters) -> Self {
+        let border = at.uv.map(|t| t.clamp(0.0, 1.0));
+        if at.span[0] == SEARCHED {
+            let [[u0, u1], [v0, v1]] = model.surface(FaceId(id as u32)).domain();
+            let length = DVec2::new(u1 - u0, v1 - v0);
+            return Self { at, uv: DVec2::new(u0, v0) + length * DVec2::from_array(border.map(f64::from)), length };
+        }
+        let frame = &scene.frames()[id];
         let [width, height] = [0, 1].map(|k| frame.span(k, at.span[k])).map(|[start, end]| end - start);
-        (frame.uv(at.span, border), DVec2::new(width, height))
-    };
-    let d = surface.first_derivatives(uv.x, uv.y);
-    let cross = d.su.cross(d.sv);
-    // On a side that is a point, rounding leaves a tangent of no direction.
-    let way = (d.su.length() * length.x).min(d.sv.length() * length.y);
-    let is_clear = way > CLEAR * frame.scale && cross.length() > CLEAR * d.su.length() * d.sv.length();
-    let normal = match cross.try_normalize() {
-        Some(n) if is_clear => n,
-        _ => surface.inspect(uv.x, uv.y).normal.unit().unwrap_or_default(),
-    };
-    let normal = if model.faces()[id].reversed { -normal } else { normal };
-    let beyond = [at.uv[0] - border[0], at.uv[1] - border[1]].map(f64::from);
-    let position = d.s + d.su * (beyond[0] * length.x) + d.sv * (beyond[1] * length.y);
-    Vertex {
-        position: frame.local(position),
-        uv: at.uv,
-        face: id as u32,
-        span: at.span,
-        normal: normal.to_array().map(|x| x as f32),
-        frame: id as u32,
+        Self { at, uv: frame.uv(at.span, border), length: DVec2::new(width, height) }
+    }
+
+    /// The vertex there, from the surface's point and tangents.
+    fn vertex(&self, model: &Model, scene: &PackedScene, id: usize, d: FirstDerivatives) -> Vertex {
+        let &Self { at, uv, length } = self;
+        let frame = &scene.frames()[id];
+        let cross = d.su.cross(d.sv);
+        // On a side that is a point, rounding leaves a tangent of no direction.
+        let way = (d.su.length() * length.x).min(d.sv.length() * length.y);
+        let is_clear = way > CLEAR * frame.scale && cross.length() > CLEAR * d.su.length() * d.sv.length();
+        let normal = match cross.try_normalize() {
+            Some(n) if is_clear => n,
+            _ => model.surface(FaceId(id as u32)).inspect(uv.x, uv.y).normal.unit().unwrap_or_default(),
+        };
+        let normal = if model.faces()[id].reversed { -normal } else { normal };
+        let beyond = at.uv.map(|t| f64::from(t - t.clamp(0.0, 1.0)));
+        let position = d.s + d.su * (beyond[0] * length.x) + d.sv * (beyond[1] * length.y);
+        Vertex {
+            position: frame.local(position),
+            uv: at.uv,
+            face: id as u32,
+            span: at.span,
+            normal: normal.to_array().map(|x| x as f32),
+            frame: id as u32,
+        }
     }
 }
