@@ -27,7 +27,8 @@ fn shown(in: VertexOutput) -> Fragment {
         let pixel = sight(views[in.face], in.clip.xy);
         let at = footprint(pixel, f.whole, f.position, f.su, f.sv, REACH_PX);
         let on_skirt = is_on_skirt(face, Parameters(in.span, in.uv));
-        let is_far = on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX;
+        let most = select(SKIRT_STEP_PX, SKIRT_FOUND_PX, steps > 0u);
+        let is_far = on_skirt && at.step_squared > most * most;
         if (is_far && steps < SKIRT_STEPS) {
             // The place decides to which the tangent plane leads.
             given = nearest_on_span(face, f, pixel);

@@ -35,6 +35,9 @@ pub const SKIRT_STEP_PX: f32 = 1.0;
 /// pixel at one degree. That the surface may have bent away there does no harm, since that place has a tangent plane of its own.
 pub const SKIRT_REACH_PX: f32 = 32.0;
 
+/// The same once it was led on: Newton's method has come to the ray, or the surface bends away from it.
+pub const SKIRT_FOUND_PX: f32 = 0.25;
+
 /// How often a fragment of a skirt is led on.
 pub const SKIRT_STEPS: u32 = 4;
 
@@ -148,10 +151,15 @@ impl Sight {
 
     /// Whether a fragment of `face` at `at`, where the face has a tangent plane, covers the pixel.
     pub fn shows(&self, scene: &PackedScene, face: u32, at: Parameters, plane: &TangentPlane) -> bool {
-        let (_, plane) = self.decisive(scene, face, at, plane);
-        let found = self.footprint(&plane, REACH_PX);
-        !(plane.on_skirt && found.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX)
-            && is_shown(scene, &scene.faces()[face as usize], &found)
+        let (_, plane, is_led) = self.decisive(scene, face, at, plane);
+        !(plane.on_skirt && self.is_far(&plane, is_led))
+            && is_shown(scene, &scene.faces()[face as usize], &self.footprint(&plane, REACH_PX))
+    }
+
+    /// Whether a tangent plane at a place of a skirt, to which the fragment was led or not, leads too far.
+    fn is_far(&self, plane: &TangentPlane, is_led: bool) -> bool {
+        let most = if is_led { SKIRT_FOUND_PX } else { SKIRT_STEP_PX };
+        self.footprint(plane, REACH_PX).step_squared > most * most
     }
 
     /// Where a fragment shows its face: at its parameters, but on a skirt at the place that is nearest to the pixel in the
@@ -160,29 +168,28 @@ impl Sight {
         if !is_on_skirt(&scene.faces()[face as usize], at) {
             return at;
         }
-        let (at, plane) = self.decisive(scene, face, at, &tangent_plane(scene, face, at));
+        let (at, plane, _) = self.decisive(scene, face, at, &tangent_plane(scene, face, at));
         self.nearest_on_span(scene, face, at, &plane)
     }
 
-    /// The tangent plane that decides about a fragment, and its parameters: on a skirt that at the border, but where it leads
-    /// farther than [`SKIRT_STEP_PX`] that at the place to which it leads, and so on for [`SKIRT_STEPS`].
+    /// The parameters and the tangent plane that decide about a fragment, and whether it was led to them: on a skirt those of the
+    /// border, but where that leads farther than [`SKIRT_STEP_PX`] those of the place to which it leads, and so on up to
+    /// [`SKIRT_STEPS`] times until one leads no farther than [`SKIRT_FOUND_PX`].
     fn decisive(
         &self,
         scene: &PackedScene,
         face: u32,
         mut at: Parameters,
         plane: &TangentPlane,
-    ) -> (Parameters, TangentPlane) {
+    ) -> (Parameters, TangentPlane, bool) {
         let mut plane = *plane;
-        let is_far =
-            |plane: &TangentPlane| self.footprint(plane, REACH_PX).step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX;
         let mut steps = 0;
-        while plane.on_skirt && steps < SKIRT_STEPS && is_far(&plane) {
+        while plane.on_skirt && steps < SKIRT_STEPS && self.is_far(&plane, steps > 0) {
             at = self.nearest_on_span(scene, face, at, &plane);
             plane = TangentPlane { on_skirt: true, ..tangent_plane(scene, face, at) };
             steps += 1;
         }
-        (at, plane)
+        (at, plane, steps > 0)
     }
 
     /// The place of a fragment's span that is nearest to the pixel in the picture, as a tangent plane on it has it; beyond a knot
