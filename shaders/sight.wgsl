@@ -4,7 +4,9 @@
 const NEAR_PX: f32 = 1.0 / 256.0;
 const STEEP: f32 = 1.0 / 16.0;
 const REACH_PX: f32 = 4.0;
-const SKIRT_STEP_PX: f32 = 1.0;
+const SKIRT_REACH_PX: f32 = 32.0;
+const SKIRT_FOUND_PX: f32 = 0.25;
+const SKIRT_STEPS: u32 = 4u;
 const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
 
 struct Sight {
@@ -50,7 +52,7 @@ fn squared_pixels(s: Sight, w: f32) -> f32 {
     return dot(s.x.xyz, s.x.xyz) / (w * w);
 }
 
-fn footprint(s: Sight, uv: vec2<f32>, position: vec3<f32>, su: vec3<f32>, sv: vec3<f32>) -> Footprint {
+fn footprint(s: Sight, uv: vec2<f32>, position: vec3<f32>, su: vec3<f32>, sv: vec3<f32>, reach_px: f32) -> Footprint {
     let w = plane(s.w, position);
     let value = vec3<f32>(plane(s.x, position), plane(s.y, position), 0.0) / w;
     let a = along(s, value, su).xy / w;
@@ -61,7 +63,7 @@ fn footprint(s: Sight, uv: vec2<f32>, position: vec3<f32>, su: vec3<f32>, sv: ve
     let side_u = dot(su, su) * pixels;
     let side_v = dot(sv, sv) * pixels;
     let far = max(side_u * (step.x * step.x), side_v * (step.y * step.y));
-    let found = far <= REACH_PX * REACH_PX && (any(pixel.right != vec2<f32>()) || any(pixel.up != vec2<f32>()));
+    let found = far <= reach_px * reach_px && (any(pixel.right != vec2<f32>()) || any(pixel.up != vec2<f32>()));
     let center = select(uv, uv + step, found);
     return Footprint(center, pixel.right, pixel.up, near_px(a, b, side_u * side_v), select(GREATEST, far, found));
 }

@@ -17,12 +17,13 @@ struct Shown {
 }
 
 // The program at the interpolated (u, v), but on a skirt at the nearest place of its span; what lies behind is seen where the
-// face does not cover the pixel.
+// face does not cover the pixel. Twin: `Sight::shows` and `Sight::place`.
 fn shown(in: Sample) -> Shown {
     let face = faces[in.face];
     var f: Fragment;
     var given = in.given;
     var is_last = !TRIMMED;
+    var steps = 0u;
     // A loop, so that the program stands there once.
     loop {
         f = fragment(in.face, given);
@@ -30,25 +31,42 @@ fn shown(in: Sample) -> Shown {
             break;
         }
         let pixel = sight(views[in.face], in.at);
-        let at = footprint(pixel, f.whole, f.position, f.su, f.sv);
-        let on_skirt = is_on_skirt(face, given);
-        if ((on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX) || !is_shown(face, at)) {
+        let at = footprint(pixel, f.whole, f.position, f.su, f.sv, REACH_PX);
+        let on_skirt = is_on_skirt(face, in.given);
+        let is_far = on_skirt && at.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX;
+        if (is_far && steps < SKIRT_STEPS) {
+            // The place decides to which the tangent plane leads.
+            given = nearest_on_span(face, f, pixel);
+            steps += 1u;
+            continue;
+        }
+        if (is_far || !is_shown(face, at)) {
             return Shown(f, false);
         }
         if (!on_skirt) {
             break;
         }
-        given.uv = nearest_on_span(face, f, pixel);
+        given = nearest_on_span(face, f, pixel);
         is_last = true;
     }
     return Shown(f, true);
 }
 
-// The place of a fragment's span that is nearest to a pixel in the picture, by the span's own parameters.
-fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> vec2<f32> {
+// The place of a fragment's span that is nearest to a pixel in the picture, by the span's own parameters; beyond a knot that is
+// no border, the place of the next span.
+fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> Parameters {
     let length_u = span_of(face.table_u, face.spans_u, degree(face.degree_u), f.span.x).length;
     let length_v = span_of(face.table_v, face.spans_v, degree(face.degree_v), f.span.y).length;
-    return nearest(footprint(pixel, f.uv, f.position, f.su * length_u, f.sv * length_v));
+    let found = footprint(pixel, f.uv, f.position, f.su * length_u, f.sv * length_v, SKIRT_REACH_PX);
+    let is_before = (found.center < vec2<f32>(0.0)) & (f.span > vec2<u32>(0u));
+    let is_beyond = (found.center > vec2<f32>(1.0)) & (f.span < vec2<u32>(face.spans_u, face.spans_v) - 1u);
+    let next = f.span + select(vec2<u32>(0u), vec2<u32>(1u), is_beyond) - select(vec2<u32>(0u), vec2<u32>(1u), is_before);
+    let next_u = span_of(face.table_u, face.spans_u, degree(face.degree_u), next.x).length;
+    let next_v = span_of(face.table_v, face.spans_v, degree(face.degree_v), next.y).length;
+    let gain = vec2<f32>(length_u, length_v) / vec2<f32>(next_u, next_v);
+    let low = clamp(1.0 + found.center * gain, vec2<f32>(0.0), vec2<f32>(1.0));
+    let high = clamp((found.center - 1.0) * gain, vec2<f32>(0.0), vec2<f32>(1.0));
+    return Parameters(next, select(select(nearest(found), low, is_before), high, is_beyond));
 }
 
 // What the flat triangle carries, in place of the surface's own: the interpolated normal, and the triangle's point but on a skirt.

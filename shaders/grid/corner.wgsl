@@ -3,7 +3,8 @@
 
 const LOW_U: u32 = 1u;
 const LOW_V: u32 = 4u;
-const SLANT: f32 = 4.0;
+const BEYOND: f32 = 1.0;
+const STEEPEST: f32 = 0.0625;
 
 struct CornerRecord {
     face: u32,
@@ -111,13 +112,11 @@ fn corner(grid: u32, u: Line, v: Line) -> VertexOutput {
             own = seam;
         }
     }
-    let record = faces[face];
-    let su = own.su * span_of(record.table_u, record.spans_u, degree(record.degree_u), span.x).length;
-    let sv = own.sv * span_of(record.table_v, record.spans_v, degree(record.degree_v), span.y).length;
-    let beyond = vec2<f32>(u.side, v.side) * reach(grids[grid].skirt, su, sv);
+    let sight = views[face].eye.xyz - own.position * views[face].eye.w;
+    let ways = way(sight, own.sv, own.su, u.side) + way(sight, own.su, own.sv, v.side);
     var out: VertexOutput;
-    out.local = own.position + su * beyond.x + sv * beyond.y;
-    out.uv = uv + beyond;
+    out.local = own.position + grids[grid].skirt * ways;
+    out.uv = uv + BEYOND * vec2<f32>(u.side, v.side);
     out.face = face;
     out.span = span;
     out.normal = own.normal;
@@ -130,19 +129,23 @@ fn corner(grid: u32, u: Line, v: Line) -> VertexOutput {
     return out;
 }
 
-// What u and v gain on the way straight away from a border by the skirt's width.
-fn reach(width: f32, su: vec3<f32>, sv: vec3<f32>) -> vec2<f32> {
-    let n = cross(su, sv);
-    let area = sqrt(dot(n, n));
-    let speed_u = sqrt(dot(su, su));
-    let speed_v = sqrt(dot(sv, sv));
-    return vec2<f32>(gain(width, speed_u, speed_v, area), gain(width, speed_v, speed_u, area));
+// The way from a border, as it is seen along `sight`, straight away from its tangent `along`; to the side to which `out` times
+// `side` leads. Zero from a collapsed border, and from one that is seen end-on.
+// In depth it goes as the surface goes on the way in, up to where that is seen under STEEPEST.
+fn way(sight_given: vec3<f32>, along_given: vec3<f32>, out: vec3<f32>, side: f32) -> vec3<f32> {
+    let sight = unit(sight_given);
+    let along = unit(along_given);
+    let across = unit(cross(sight, along));
+    if (side == 0.0 || all(across == vec3<f32>(0.0))) {
+        return vec3<f32>(0.0);
+    }
+    let towards = select(1.0, -1.0, side * dot(across, out) < 0.0);
+    let straight = unit(side * (out - along * dot(out, along)));
+    let depth = dot(straight, sight) / max(towards * dot(straight, across), STEEPEST);
+    return towards * across - sight * depth;
 }
 
-// The border, whose tangent is `along`, may be come to at a slant; from a collapsed one nothing goes on.
-fn gain(width: f32, speed: f32, along: f32, area: f32) -> f32 {
-    if (area == 0.0) {
-        return 0.0;
-    }
-    return min(width * along / area, SLANT * width / speed);
+fn unit(a: vec3<f32>) -> vec3<f32> {
+    let length = sqrt(dot(a, a));
+    return select(vec3<f32>(0.0), a / length, length > 0.0);
 }

@@ -13,6 +13,7 @@ use crate::fragment::{TangentPlane, is_on_skirt, tangent_plane};
 use crate::layout::{BOUNDED, FaceRecord, Parameters, View};
 use crate::packed::PackedScene;
 use crate::trim::{self, Reach};
+use std::cmp::Ordering;
 
 /// How far beyond its border, natural or trimmed, a face covers a pixel's centre, pixels: two that share an edge to within
 /// twice this leave no crack, whatever f32 makes of either.
@@ -25,10 +26,17 @@ pub const STEEP: f32 = 1.0 / 16.0;
 /// The farthest that a tangent plane is followed, in pixels were it seen at a right angle.
 pub const REACH_PX: f32 = 4.0;
 
-/// The same for fragments of a skirt, which is narrow. A sliver's, interpolated beyond the triangle, may be anywhere. Triangles fall
-/// short of a border by their error in the picture, and by more along a surface that is seen at a slant: this is twice an error
-/// of half a pixel. Half as much left holes in a wing's border at that error.
-pub const SKIRT_STEP_PX: f32 = 1.0;
+/// How far a tangent plane leads from a fragment of a skirt to the next place, where it is decided. Triangles fall short of a border by
+/// their error in the picture, and along a surface that is seen under the angle α by 1 / sin α as much: this is an error of half a
+/// pixel at one degree. That the surface may have bent away there does no harm, since that place has a tangent plane of its own.
+pub const SKIRT_REACH_PX: f32 = 32.0;
+
+/// The farthest that it leads where a fragment of a skirt is decided: Newton's method has come to the ray. A sliver's parameters,
+/// interpolated beyond the triangle, may be anywhere, and a surface may bend away from its border within a pixel.
+pub const SKIRT_FOUND_PX: f32 = 0.25;
+
+/// How often a fragment of a skirt is led on.
+pub const SKIRT_STEPS: u32 = 4;
 
 /// Below this determinant, as a share of the squared columns, the columns count as nearly parallel.
 pub const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
@@ -120,10 +128,10 @@ impl Sight {
         dot(right, right) / (w * w)
     }
 
-    /// The footprint on a tangent plane.
+    /// The footprint on a tangent plane that is followed as far as `reach_px`.
     ///
-    /// Where the ray meets the plane farther from S than [`REACH_PX`], or runs nearly along it, the centre is S's own uv.
-    pub fn footprint(&self, &TangentPlane { uv, s, su, sv, .. }: &TangentPlane) -> Footprint {
+    /// Where the ray meets the plane farther from S, or runs nearly along it, the centre is S's own uv.
+    pub fn footprint(&self, &TangentPlane { uv, s, su, sv, .. }: &TangentPlane, reach_px: f32) -> Footprint {
         let w = plane(&self.w, s);
         let [x, y] = [&self.x, &self.y].map(|p| plane(p, s) / w);
         let [a, b] = [su, sv].map(|derivative| self.along([x, y, 0.0], derivative).map(|slope| slope / w));
@@ -132,33 +140,80 @@ impl Sight {
         let pixels = self.squared_pixels(w);
         let [side_u, side_v] = [su, sv].map(|derivative| dot(derivative, derivative) * pixels);
         let far = (side_u * (step[0] * step[0])).max(side_v * (step[1] * step[1]));
-        let found = far <= REACH_PX * REACH_PX && (right != [0.0; 2] || up != [0.0; 2]);
+        let found = far <= reach_px * reach_px && (right != [0.0; 2] || up != [0.0; 2]);
         let center = if found { [uv[0] + step[0], uv[1] + step[1]] } else { uv };
         let near_px = near_px([a[0], a[1]], [b[0], b[1]], side_u * side_v);
         Footprint { center, right, up, near_px, step_squared: if found { far } else { f32::MAX } }
     }
 
-    /// Whether a fragment of `face`, where the face has a tangent plane, covers the pixel.
-    pub fn shows(&self, scene: &PackedScene, face: u32, plane: &TangentPlane) -> bool {
-        let at = self.footprint(plane);
-        !(plane.on_skirt && at.step_squared > SKIRT_STEP_PX * SKIRT_STEP_PX)
-            && is_shown(scene, &scene.faces()[face as usize], &at)
+    /// Whether a fragment of `face` at `at`, where the face has a tangent plane, covers the pixel.
+    pub fn shows(&self, scene: &PackedScene, face: u32, at: Parameters, plane: &TangentPlane) -> bool {
+        let (_, plane) = self.decisive(scene, face, at, plane);
+        !(plane.on_skirt && self.is_far(&plane))
+            && is_shown(scene, &scene.faces()[face as usize], &self.footprint(&plane, REACH_PX))
     }
 
-    /// Where a fragment shows its face: at its parameters, but on a skirt at the place of its span that is nearest to the
-    /// pixel in the picture, as the tangent plane at the border has it.
+    /// Whether a tangent plane at a place of a skirt leads too far.
+    fn is_far(&self, plane: &TangentPlane) -> bool {
+        self.footprint(plane, REACH_PX).step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX
+    }
+
+    /// Where a fragment shows its face: at its parameters, but on a skirt at the place that is nearest to the pixel in the
+    /// picture, as the tangent plane that decides has it.
     pub fn place(&self, scene: &PackedScene, face: u32, at: Parameters) -> Parameters {
-        let f = &scene.faces()[face as usize];
-        if !is_on_skirt(f, at) {
+        if !is_on_skirt(&scene.faces()[face as usize], at) {
             return at;
         }
-        let plane = tangent_plane(scene, face, at);
+        let (at, plane) = self.decisive(scene, face, at, &tangent_plane(scene, face, at));
+        self.nearest_on_span(scene, face, at, &plane)
+    }
+
+    /// The parameters and the tangent plane that decide about a fragment: on a skirt those of the border, but where that leads farther
+    /// than [`SKIRT_FOUND_PX`] those of the place to which it leads, and so on up to [`SKIRT_STEPS`] times.
+    fn decisive(
+        &self,
+        scene: &PackedScene,
+        face: u32,
+        mut at: Parameters,
+        plane: &TangentPlane,
+    ) -> (Parameters, TangentPlane) {
+        let mut plane = *plane;
+        let mut steps = 0;
+        while plane.on_skirt && steps < SKIRT_STEPS && self.is_far(&plane) {
+            at = self.nearest_on_span(scene, face, at, &plane);
+            plane = TangentPlane { on_skirt: true, ..tangent_plane(scene, face, at) };
+            steps += 1;
+        }
+        (at, plane)
+    }
+
+    /// The place of a fragment's span that is nearest to the pixel in the picture, as a tangent plane on it has it; beyond a knot
+    /// that is no border, the place of the next span.
+    fn nearest_on_span(&self, scene: &PackedScene, face: u32, at: Parameters, plane: &TangentPlane) -> Parameters {
+        let f = &scene.faces()[face as usize];
         let spans = scene.spans(f, at.span);
         // By the span's own parameters, which f32 resolves however short it is.
         let by_span = |derivative: [f32; 3], k: usize| derivative.map(|x| x * spans[k].length);
         let (su, sv) = (by_span(plane.su, 0), by_span(plane.sv, 1));
-        let plane = TangentPlane { uv: at.uv.map(|t| t.clamp(0.0, 1.0)), su, sv, ..plane };
-        Parameters { uv: self.footprint(&plane).nearest(), ..at }
+        let plane = TangentPlane { uv: at.uv.map(|t| t.clamp(0.0, 1.0)), su, sv, ..*plane };
+        let found = self.footprint(&plane, SKIRT_REACH_PX);
+        let on_span = found.nearest();
+        let lasts = [f.spans_u - 1, f.spans_v - 1];
+        let next = [0, 1].map(|k| match found.center[k] {
+            t if t < 0.0 && at.span[k] > 0 => at.span[k] - 1,
+            t if t > 1.0 && at.span[k] < lasts[k] => at.span[k] + 1,
+            _ => at.span[k],
+        });
+        let lengths = scene.spans(f, next).map(|span| span.length);
+        let uv = [0, 1].map(|k| {
+            let gain = spans[k].length / lengths[k];
+            match next[k].cmp(&at.span[k]) {
+                Ordering::Less => (1.0 + found.center[k] * gain).clamp(0.0, 1.0),
+                Ordering::Greater => ((found.center[k] - 1.0) * gain).clamp(0.0, 1.0),
+                Ordering::Equal => on_span[k],
+            }
+        });
+        Parameters { span: next, uv }
     }
 }
 

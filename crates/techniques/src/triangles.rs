@@ -20,6 +20,9 @@ pub const SAMPLE: Part = Part { file: "triangles.wgsl", text: include_str!("../.
 /// a pixel may be beyond the border and still be covered.
 pub const SKIRT_PX: f64 = 1.0 / 16.0;
 
+/// The sine of the least angle under which a face is seen by which its skirt goes on in depth.
+pub const STEEPEST: f32 = 1.0 / 16.0;
+
 /// The corners of a cell's two triangles, from its first corner on, where a row in v has `columns` corners.
 pub fn cell(first: u32, columns: u32) -> [u32; 6] {
     let [a, b, c, d] = [first, first + columns, first + columns + 1, first + 1];

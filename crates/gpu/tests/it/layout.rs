@@ -105,6 +105,7 @@ fn constants_have_the_same_values() {
     assert_eq!(constant(&module, "RATIONAL"), Literal::U32(RATIONAL));
     assert_eq!(constant(&module, "REVERSED"), Literal::U32(REVERSED));
     assert_eq!(constant(&module, "BOUNDED"), Literal::U32(BOUNDED));
+    assert_eq!(constant(&module, "SKIRT_STEPS"), Literal::U32(sight::SKIRT_STEPS));
     assert_eq!(constant(&module, "PARALLEL"), Literal::F32(PARALLEL));
     assert_eq!(constant(&module, "COLLAPSED"), Literal::F32(COLLAPSED));
     assert_eq!(constant(&module, "REGULAR"), Literal::U32(NormalStatus::Regular as u32));
@@ -113,7 +114,8 @@ fn constants_have_the_same_values() {
         ("NEAR_PX", sight::NEAR_PX),
         ("REACH_PX", sight::REACH_PX),
         ("STEEP", sight::STEEP),
-        ("SKIRT_STEP_PX", sight::SKIRT_STEP_PX),
+        ("SKIRT_REACH_PX", sight::SKIRT_REACH_PX),
+        ("SKIRT_FOUND_PX", sight::SKIRT_FOUND_PX),
         ("NEARLY_SINGULAR", sight::NEARLY_SINGULAR),
         ("GREATEST", f32::MAX),
     ] {

@@ -1,13 +1,14 @@
 //! The corners of a tessellation: a grid a span, with a skirt where loops bound the face.
 
-use glam::DVec2;
-use nurbs::{FirstDerivatives, Surface};
+use crate::triangles::STEEPEST;
+use glam::{DVec2, DVec3};
+use nurbs::{Direction, FirstDerivatives};
 use pipeline::{PackedScene, Parameters, SEARCHED, Vertex};
-use scene::{FaceId, Model, Region};
+use scene::{Camera, FaceId, Model, Projection, Region};
 use std::ops::Range;
 
-/// How many times that a skirt may measure along a parameter that comes to the border at a slant.
-const SLANT: f64 = 4.0;
+/// How far beyond the domain the parameters of a skirt's corners are, in spans: any number says that they are beyond.
+const BEYOND: f32 = 1.0;
 
 /// The corners of a part of a face: a grid of them.
 pub(super) struct Grid {
@@ -18,12 +19,35 @@ pub(super) struct Grid {
     pub(super) columns: usize,
 }
 
-/// What a bounded face goes on by.
-pub(super) struct Skirt<'a> {
-    pub(super) surface: &'a Surface,
-    pub(super) region: &'a Region,
-    /// Model units along the tangents.
+/// What a bounded face goes on by beyond its border.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Skirt {
+    /// Who sees it.
+    pub(super) camera: Camera,
+    /// Model units.
     pub(super) width: f64,
+}
+
+impl Skirt {
+    /// The way from a border's point `s`, as the camera sees it straight away from the border, whose tangent is `along`; to the
+    /// side to which `out` leads. None from a collapsed border, nor from one that is seen end-on.
+    ///
+    /// In depth it goes as the surface goes on the way in, up to where that is seen under [`STEEPEST`]: a pixel of a
+    /// skirt shows what lies there, and of two faces that meet at a border the one stays in front.
+    fn way(&self, s: DVec3, along: DVec3, out: DVec3) -> DVec3 {
+        let sight = match self.camera.projection() {
+            Projection::Perspective { .. } => s - self.camera.eye(),
+            Projection::Orthographic { .. } => self.camera.forward(),
+        };
+        let (sight, along) = (sight.normalize_or_zero(), along.normalize_or_zero());
+        let across = sight.cross(along).normalize_or_zero();
+        if across == DVec3::ZERO {
+            return across;
+        }
+        let across = if across.dot(out) < 0.0 { -across } else { across };
+        let straight = (out - along * out.dot(along)).normalize_or_zero();
+        self.width * (across - sight * (straight.dot(sight) / straight.dot(across).max(f64::from(STEEPEST))))
+    }
 }
 
 /// The grids of a face's spans, with a skirt where loops bound it.
@@ -31,7 +55,7 @@ pub(super) fn grids_of_spans(
     breaks: &[Vec<f64>; 2],
     cells: &[Vec<Vec<usize>>; 2],
     spans: &[Range<usize>; 2],
-    skirt: Option<&Skirt>,
+    region: Option<&Region>,
 ) -> Vec<Grid> {
     let lines = |parts: &Vec<usize>| -> Vec<f32> {
         let of_part = |(k, &n): (usize, &usize)| {
@@ -44,9 +68,9 @@ pub(super) fn grids_of_spans(
     for (k, u) in spans[0].clone().zip(&rows) {
         for (l, v) in spans[1].clone().zip(&columns) {
             let span = [k as u32, l as u32];
-            grids.push(match skirt {
+            grids.push(match region {
                 None => Grid::new(span, u, v),
-                Some(skirt) => Grid::with_skirt(span, [u, v], breaks, skirt),
+                Some(region) => Grid::with_skirt(span, [u, v], breaks, region),
             });
         }
     }
@@ -59,39 +83,20 @@ impl Grid {
         Self { span, corners, columns: v.len() }
     }
 
-    /// A grid that goes on beyond the sides of the domain into whose cells the region comes, by at least the skirt's width
-    /// along the tangents, but where the side is collapsed.
-    fn with_skirt(span: [u32; 2], lines: [&[f32]; 2], breaks: &[Vec<f64>; 2], skirt: &Skirt) -> Self {
-        let &Skirt { surface, region, width } = skirt;
+    /// A grid that goes on beyond the sides of the domain into whose cells the region comes.
+    fn with_skirt(span: [u32; 2], lines: [&[f32]; 2], breaks: &[Vec<f64>; 2], region: &Region) -> Self {
         let hull = region.hull();
         let ends = [0, 1].map(|k| [breaks[k][span[k] as usize], breaks[k][span[k] as usize + 1]]);
         let at = |k: usize, t: f32| ends[k][0] + (ends[k][1] - ends[k][0]) * f64::from(t);
-        // With the ends twice, once for the skirt: the parameter and whether, and to which side, to go beyond it.
-        let places = |k: usize| -> Vec<(f32, f64)> {
+        let places = |k: usize| -> Vec<f32> {
             let lines = lines[k];
             let is_first = span[k] == 0;
             let is_last = span[k] as usize + 2 == breaks[k].len();
-            let before = (is_first && hull.min[k] <= at(k, lines[1])).then_some((0.0, -1.0));
-            let after = (is_last && hull.max[k] >= at(k, lines[lines.len() - 2])).then_some((1.0, 1.0));
-            let inside = lines.iter().map(|&t| (t, 0.0));
-            before.into_iter().chain(inside).chain(after).collect()
+            let before = (is_first && hull.min[k] <= at(k, lines[1])).then_some(-BEYOND);
+            let after = (is_last && hull.max[k] >= at(k, lines[lines.len() - 2])).then_some(1.0 + BEYOND);
+            before.into_iter().chain(lines.iter().copied()).chain(after).collect()
         };
-        let (rows, columns) = (places(0), places(1));
-        let corner = |(s, beyond_u): (f32, f64), (t, beyond_v): (f32, f64)| {
-            let d = surface.first_derivatives(at(0, s), at(1, t));
-            let area = d.su.cross(d.sv).length();
-            // Straight away from the border, whose tangent is `along`, it is a part of the way.
-            let gain = |speed: f64, along: f64, side: f64| {
-                let gain = (width * along / area).min(SLANT * width / speed);
-                if side != 0.0 && gain.is_finite() { side * gain } else { 0.0 }
-            };
-            let (speed_u, speed_v) = (d.su.length(), d.sv.length());
-            let length = ends.map(|[start, end]| end - start);
-            let beyond = [gain(speed_u, speed_v, beyond_u) / length[0], gain(speed_v, speed_u, beyond_v) / length[1]];
-            [s + beyond[0] as f32, t + beyond[1] as f32]
-        };
-        let corners = rows.iter().flat_map(|&row| columns.iter().map(move |&column| corner(row, column))).collect();
-        Self { span, columns: columns.len(), corners }
+        Self::new(span, &places(0), &places(1))
     }
 
     pub(super) fn rows(&self) -> usize {
@@ -100,7 +105,13 @@ impl Grid {
 }
 
 /// The vertices of one face.
-pub(super) fn mesh(model: &Model, scene: &PackedScene, id: usize, grids: &[Grid]) -> Vec<Vertex> {
+pub(super) fn mesh(
+    model: &Model,
+    scene: &PackedScene,
+    id: usize,
+    grids: &[Grid],
+    skirt: Option<&Skirt>,
+) -> Vec<Vertex> {
     let surface = model.surface(FaceId(id as u32));
     let mut vertices = Vec::with_capacity(grids.iter().map(|grid| grid.corners.len()).sum());
     let mut evaluated = vec![];
@@ -110,7 +121,7 @@ pub(super) fn mesh(model: &Model, scene: &PackedScene, id: usize, grids: &[Grid]
         evaluated.clear();
         surface.evaluate_many(&places.iter().map(|place| place.uv).collect::<Vec<_>>(), &mut evaluated);
         let known = places.iter().zip(&evaluated);
-        vertices.extend(known.map(|(place, known)| place.vertex(model, scene, id, known.derivatives)));
+        vertices.extend(known.map(|(place, known)| place.vertex(model, scene, id, known.derivatives, skirt)));
     }
     vertices
 }
@@ -119,11 +130,11 @@ pub(super) fn mesh(model: &Model, scene: &PackedScene, id: usize, grids: &[Grid]
 /// from a closer look.
 const CLEAR: f64 = 1e-9;
 
-/// A vertex of a face.
-pub(super) fn corner(model: &Model, scene: &PackedScene, id: usize, at: Parameters) -> Vertex {
+/// A vertex of a face, which has the skirt beyond its domain.
+pub(super) fn corner(model: &Model, scene: &PackedScene, id: usize, at: Parameters, skirt: Option<&Skirt>) -> Vertex {
     let place = Place::new(model, scene, id, at);
     let d = model.surface(FaceId(id as u32)).first_derivatives(place.uv.x, place.uv.y);
-    place.vertex(model, scene, id, d)
+    place.vertex(model, scene, id, d, skirt)
 }
 
 /// Where a vertex stands on its surface.
@@ -131,7 +142,8 @@ struct Place {
     at: Parameters,
     /// The nearest parameters of the domain.
     uv: DVec2,
-    /// The size of the span.
+    /// Where the span starts, and its size.
+    start: DVec2,
     length: DVec2,
 }
 
@@ -140,29 +152,55 @@ impl Place {
         let border = at.uv.map(|t| t.clamp(0.0, 1.0));
         if at.span[0] == SEARCHED {
             let [[u0, u1], [v0, v1]] = model.surface(FaceId(id as u32)).domain();
-            let length = DVec2::new(u1 - u0, v1 - v0);
-            return Self { at, uv: DVec2::new(u0, v0) + length * DVec2::from_array(border.map(f64::from)), length };
+            let (start, length) = (DVec2::new(u0, v0), DVec2::new(u1 - u0, v1 - v0));
+            return Self { at, uv: start + length * DVec2::from_array(border.map(f64::from)), start, length };
         }
         let frame = &scene.frames()[id];
-        let [width, height] = [0, 1].map(|k| frame.span(k, at.span[k])).map(|[start, end]| end - start);
-        Self { at, uv: frame.uv(at.span, border), length: DVec2::new(width, height) }
+        let [u, v] = [0, 1].map(|k| frame.span(k, at.span[k]));
+        let (start, length) = (DVec2::new(u[0], v[0]), DVec2::new(u[1] - u[0], v[1] - v[0]));
+        Self { at, uv: frame.uv(at.span, border), start, length }
+    }
+
+    /// The derivatives of the span's own polynomial: at its end the surface's are those of the next span, which a crease has elsewhere.
+    fn own(&self, model: &Model, id: usize, d: FirstDerivatives) -> FirstDerivatives {
+        let is_at_end = self.at.uv.iter().any(|&t| t >= 1.0) && self.at.span[0] != SEARCHED;
+        if !is_at_end {
+            return d;
+        }
+        let surface = model.surface(FaceId(id as u32));
+        let middle = self.start + 0.5 * self.length;
+        let span = |direction, t| surface.knots(direction).find_span(t);
+        let spans = [span(Direction::U, middle.x), span(Direction::V, middle.y)];
+        // The point stays that of the corner on the next span, to the bit.
+        FirstDerivatives { s: d.s, ..surface.first_derivatives_on(spans[0], spans[1], self.uv.x, self.uv.y) }
     }
 
     /// The vertex there, from the surface's point and tangents.
-    fn vertex(&self, model: &Model, scene: &PackedScene, id: usize, d: FirstDerivatives) -> Vertex {
-        let &Self { at, uv, length } = self;
+    fn vertex(
+        &self,
+        model: &Model,
+        scene: &PackedScene,
+        id: usize,
+        d: FirstDerivatives,
+        skirt: Option<&Skirt>,
+    ) -> Vertex {
+        let &Self { at, uv, length, .. } = self;
+        let d = self.own(model, id, d);
         let frame = &scene.frames()[id];
         let cross = d.su.cross(d.sv);
         // On a side that is a point, rounding leaves a tangent of no direction.
-        let way = (d.su.length() * length.x).min(d.sv.length() * length.y);
-        let is_clear = way > CLEAR * frame.scale && cross.length() > CLEAR * d.su.length() * d.sv.length();
+        let shorter = (d.su.length() * length.x).min(d.sv.length() * length.y);
+        let is_clear = shorter > CLEAR * frame.scale && cross.length() > CLEAR * d.su.length() * d.sv.length();
         let normal = match cross.try_normalize() {
             Some(n) if is_clear => n,
             _ => model.surface(FaceId(id as u32)).inspect(uv.x, uv.y).normal.unit().unwrap_or_default(),
         };
         let normal = if model.faces()[id].reversed { -normal } else { normal };
-        let beyond = at.uv.map(|t| f64::from(t - t.clamp(0.0, 1.0)));
-        let position = d.s + d.su * (beyond[0] * length.x) + d.sv * (beyond[1] * length.y);
+        let [u, v] = at.uv.map(|t| f64::from(t - t.clamp(0.0, 1.0)));
+        let way = |beyond: f64, along: DVec3, out: DVec3| {
+            skirt.filter(|_| beyond != 0.0).map_or(DVec3::ZERO, |skirt| skirt.way(d.s, along, out * beyond))
+        };
+        let position = d.s + way(u, d.sv, d.su) + way(v, d.su, d.sv);
         Vertex {
             position: frame.local(position),
             uv: at.uv,

@@ -28,6 +28,8 @@ pub struct Tessellation {
     cells: Vec<Cells>,
     /// The greatest cell of each piece.
     normal_cells: Vec<Vec<Cell>>,
+    /// Of each face that loops bound.
+    skirts: Vec<Option<Skirt>>,
 }
 
 impl Tessellation {
@@ -38,8 +40,8 @@ impl Tessellation {
     /// ([`Camera::pixel_at`]). A patch that is out of the picture is not cut. Where the bound asks for over four million
     /// triangles the chord error is doubled until it does not: [`Self::built_px`].
     ///
-    /// A face that loops bound has a skirt: its triangles go on beyond the domain's border, along the tangents there, by what
-    /// they may fall short of the border; their parameters go on too. What lies beyond the border is cut
+    /// A face that loops bound has a skirt: its triangles go on beyond the domain's border, straight away from it as the camera
+    /// sees it, by what they may fall short of the border; their parameters go on too. What lies beyond the border is cut
     /// ([`is_shown`](pipeline::sight::is_shown)). No skirt goes on from a collapsed border.
     ///
     /// # Errors
@@ -79,18 +81,20 @@ impl Tessellation {
             .par_iter()
             .enumerate()
             .map(|(id, cells)| {
-                let face = FaceId(id as u32);
-                let skirt = model.region(face).map(|region| {
-                    let pixels = wanted[id].patches().map(|index| wanted[id].pixels[index]);
-                    let pixel = pixels.filter(|pixel| pixel.is_finite()).fold(0.0, f64::max);
-                    Skirt { surface: model.surface(face), region, width: (built_px + SKIRT_PX) * pixel }
-                });
-                grids_of_spans(&scene.frames()[id].breaks, cells, &wanted[id].spans, skirt.as_ref())
+                let region = model.region(FaceId(id as u32));
+                grids_of_spans(&scene.frames()[id].breaks, cells, &wanted[id].spans, region)
             })
             .collect();
+        let skirt = |(id, face): (usize, &Wanted)| {
+            let pixels = face.patches().map(|index| face.pixels[index]).filter(|pixel| pixel.is_finite());
+            let width = (built_px + SKIRT_PX) * pixels.fold(0.0, f64::max);
+            model.region(FaceId(id as u32)).map(|_| Skirt { camera: *camera, width })
+        };
+        let skirts = wanted.iter().enumerate().map(skirt).collect();
         let cells = cells.into_iter().map(Cells::OfSpans).collect();
         let bounds: Vec<&Bounds> = wanted.iter().map(|face| face.bounds).collect();
-        Self::over(model, scene, &bounds, cells, grids, built_px).ok_or(PrepareError::TooManyTriangles { chord_px })
+        Self::over(model, scene, &bounds, cells, (grids, skirts), built_px)
+            .ok_or(PrepareError::TooManyTriangles { chord_px })
     }
 
     /// A tessellation of every face into `cells` × `cells` cells of equal parameters, wherever its knots lie, as
@@ -109,7 +113,8 @@ impl Tessellation {
         let of_surface: Vec<Bounds> = model.surfaces().par_iter().map(|s| Bounds::of(&s.bezier_patches())).collect();
         let bounds: Vec<&Bounds> = model.faces().iter().map(|face| &of_surface[face.surface]).collect();
         let cells = vec![Cells::OfDomain(cells); model.faces().len()];
-        Self::over(model, scene, &bounds, cells, grids, f64::NAN).ok_or(too_many)
+        let skirts = vec![None; model.faces().len()];
+        Self::over(model, scene, &bounds, cells, (grids, skirts), f64::NAN).ok_or(too_many)
     }
 
     fn over(
@@ -117,15 +122,15 @@ impl Tessellation {
         scene: &PackedScene,
         bounds: &[&Bounds],
         cells: Vec<Cells>,
-        grids: Vec<Vec<Grid>>,
+        (grids, skirts): (Vec<Vec<Grid>>, Vec<Option<Skirt>>),
         built_px: f64,
     ) -> Option<Self> {
         let triangles: usize = grids.iter().flatten().map(|grid| 2 * (grid.rows() - 1) * (grid.columns - 1)).sum();
         if triangles > GREATEST_TRIANGLES {
             return None;
         }
-        let meshes: Vec<Vec<Vertex>> =
-            grids.par_iter().enumerate().map(|(id, grids)| mesh(model, scene, id, grids)).collect();
+        let of_face = |(id, grids): (usize, &Vec<Grid>)| mesh(model, scene, id, grids, skirts[id].as_ref());
+        let meshes: Vec<Vec<Vertex>> = grids.par_iter().enumerate().map(of_face).collect();
         let chord = |(id, cells): (usize, &Cells)| {
             let face = FaceId(id as u32);
             chord_bounds(bounds[id], model.surface(face), model.region(face), &scene.frames()[id], cells)
@@ -149,7 +154,7 @@ impl Tessellation {
         }
         let greatest = |(cells, bounds): (&Cells, &&Bounds)| cells.greatest(bounds);
         let normal_cells = cells.iter().zip(bounds).map(greatest).collect();
-        Some(Self { mesh: all, chord, built_px, cells, normal_cells })
+        Some(Self { mesh: all, chord, built_px, cells, normal_cells, skirts })
     }
 
     /// For each face and each of its Bézier pieces the greatest cell.
@@ -167,7 +172,8 @@ impl Tessellation {
         let of_face = |vertex: &Vertex| vertex.face == face.0;
         let Some(first) = self.mesh.vertices.iter().position(of_face) else { return };
         for vertex in self.mesh.vertices[first..].iter_mut().take_while(|vertex| of_face(vertex)) {
-            *vertex = corner(model, scene, id, Parameters { span: vertex.span, uv: vertex.uv });
+            let at = Parameters { span: vertex.span, uv: vertex.uv };
+            *vertex = corner(model, scene, id, at, self.skirts[id].as_ref());
         }
         let surface = model.surface(face);
         let bounds = Bounds::of(&surface.bezier_patches());

@@ -5,11 +5,13 @@
 //! of them move to the one before. The cell becomes a triangle there, and no gap opens.
 
 use super::record::{GridRecord, LOW_U, LOW_V};
+use crate::triangles::STEEPEST;
 use pipeline::fragment::{TangentPlane, fragment, tangent_plane};
-use pipeline::{PackedScene, Parameters, Vertex};
+use pipeline::sight::dot;
+use pipeline::{PackedScene, Parameters, Vertex, View};
 
-/// How many times its width a skirt may measure along a parameter that comes to the border at a slant.
-pub const SLANT: f32 = 4.0;
+/// How far beyond the patch the parameters of a skirt's corners are, in spans: any number says that they are beyond.
+pub const BEYOND: f32 = 1.0;
 
 /// A line of a grid: its parameter, and to which side of the patch it lies beyond it.
 #[derive(Clone, Copy)]
@@ -39,8 +41,8 @@ fn snapped(t: f32, level: u32) -> f32 {
     (t * cells).floor() / cells
 }
 
-/// The corner in row `row`, which is along v, and column `column` of a grid.
-pub fn corner(scene: &PackedScene, grid: &GridRecord, row: u32, column: u32) -> Vertex {
+/// The corner in row `row`, which is along v, and column `column` of a grid, whose face is seen as `view` says.
+pub fn corner(scene: &PackedScene, view: &View, grid: &GridRecord, row: u32, column: u32) -> Vertex {
     let lines = [
         Line::new(row, grid.level[0], grid.sides & LOW_U != 0),
         Line::new(column, grid.level[1], grid.sides & LOW_V != 0),
@@ -70,18 +72,19 @@ pub fn corner(scene: &PackedScene, grid: &GridRecord, row: u32, column: u32) -> 
     let uv = [0, 1].map(|k| grid.from[k] + grid.size[k] * t[k]);
     let own = Parameters { span: grid.span, uv };
     let TangentPlane { s, su, sv, .. } = tangent_plane(scene, grid.face, own);
-    let spans = scene.spans(&scene.faces()[grid.face as usize], grid.span);
-    let (su, sv) = (su.map(|x| x * spans[0].length), sv.map(|x| x * spans[1].length));
-    let gains = reach(grid.skirt, su, sv);
-    let beyond = [0, 1].map(|k| lines[k].side * gains[k]);
+    let beyond = lines.map(|line| line.side);
     let position = match place {
-        _ if is_beyond => std::array::from_fn(|i| s[i] + su[i] * beyond[0] + sv[i] * beyond[1]),
+        _ if is_beyond => {
+            let sight = std::array::from_fn(|i| view.eye[i] - s[i] * view.eye[3]);
+            let [u, v] = [way(sight, sv, su, beyond[0]), way(sight, su, sv, beyond[1])];
+            std::array::from_fn(|i| s[i] + grid.skirt * (u[i] + v[i]))
+        }
         Some(place) => tangent_plane(scene, frame, place).s,
         None => s,
     };
     Vertex {
         position,
-        uv: [0, 1].map(|k| uv[k] + beyond[k]),
+        uv: [0, 1].map(|k| uv[k] + BEYOND * beyond[k]),
         face: grid.face,
         span: grid.span,
         normal: fragment(scene, grid.face, own, false).normal,
@@ -89,15 +92,28 @@ pub fn corner(scene: &PackedScene, grid: &GridRecord, row: u32, column: u32) -> 
     }
 }
 
-/// What u and v gain on the way straight away from a border by the skirt's width.
-fn reach(width: f32, su: [f32; 3], sv: [f32; 3]) -> [f32; 2] {
-    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let n = [su[1] * sv[2] - su[2] * sv[1], su[2] * sv[0] - su[0] * sv[2], su[0] * sv[1] - su[1] * sv[0]];
-    let area = dot(n, n).sqrt();
-    let (speed_u, speed_v) = (dot(su, su).sqrt(), dot(sv, sv).sqrt());
-    // The border, whose tangent is `along`, may be come to at a slant; from a collapsed one nothing goes on.
-    let gain = |speed: f32, along: f32| {
-        if area == 0.0 { 0.0 } else { (width * along / area).min(SLANT * width / speed) }
-    };
-    [gain(speed_u, speed_v), gain(speed_v, speed_u)]
+/// The way from a border, as it is seen along `sight`, straight away from its tangent `along`; to the side to which `out` times
+/// `side` leads. Zero from a collapsed border, and from one that is seen end-on.
+///
+/// In depth it goes as the surface goes on the way in, up to where that is seen under [`STEEPEST`].
+fn way(sight: [f32; 3], along: [f32; 3], out: [f32; 3], side: f32) -> [f32; 3] {
+    let (sight, along) = (unit(sight), unit(along));
+    let across = unit(cross(sight, along));
+    if side == 0.0 || across == [0.0; 3] {
+        return [0.0; 3];
+    }
+    let towards = if side * dot(across, out) < 0.0 { -1.0 } else { 1.0 };
+    let slant = dot(out, along);
+    let straight = unit(std::array::from_fn(|i| side * (out[i] - along[i] * slant)));
+    let depth = dot(straight, sight) / (towards * dot(straight, across)).max(STEEPEST);
+    std::array::from_fn(|i| towards * across[i] - sight[i] * depth)
+}
+
+fn unit(a: [f32; 3]) -> [f32; 3] {
+    let length = dot(a, a).sqrt();
+    if length > 0.0 { a.map(|x| x / length) } else { [0.0; 3] }
+}
+
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -386,6 +386,7 @@ mod tests {
             let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
             module.global_expressions[constant.init].clone()
         };
+        use super::super::corner::BEYOND;
         use super::super::levels::{NEAREST_SHARE, ROUNDING, SKIRT_PX, WIDE};
         use super::super::record::OUT;
         use super::super::tiles::GREATEST_SIDE;
@@ -400,9 +401,14 @@ mod tests {
         ] {
             assert_eq!(constant(name), Expression::Literal(Literal::U32(value)), "{name}");
         }
-        for (name, value) in
-            [("WIDE", WIDE), ("ROUNDING", ROUNDING), ("NEAREST_SHARE", NEAREST_SHARE), ("SKIRT_PX", SKIRT_PX)]
-        {
+        for (name, value) in [
+            ("WIDE", WIDE),
+            ("ROUNDING", ROUNDING),
+            ("NEAREST_SHARE", NEAREST_SHARE),
+            ("SKIRT_PX", SKIRT_PX),
+            ("BEYOND", BEYOND),
+            ("STEEPEST", crate::triangles::STEEPEST),
+        ] {
             assert_eq!(constant(name), Expression::Literal(Literal::F32(value)), "{name}");
         }
     }

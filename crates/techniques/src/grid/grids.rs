@@ -190,14 +190,14 @@ impl Grids {
         })?;
         let short = chosen.iter().filter(|chosen| chosen.is_seen).map(|chosen| chosen.short).fold(1.0, f32::max);
         grids.built_px = kept_px * f64::from(short);
-        grids.picture = Picture::new(scene, &grids.programs, records);
+        grids.picture = Picture::new(scene, &grids.views, &grids.programs, records);
         (grids.chord, grids.cells) = of_pieces(scene, &placed, &chosen);
         Ok(grids)
     }
 
     /// The grids as another picture has them, whose views of the same scene these are.
     pub fn seen(&self, scene: &PackedScene, views: &[View]) -> Picture {
-        Picture::new(scene, &self.programs, self.settled(views).0)
+        Picture::new(scene, views, &self.programs, self.settled(views).0)
     }
 
     /// Whether the picture is that of these views.
@@ -212,21 +212,27 @@ impl Grids {
 
 impl Picture {
     /// The picture of settled records, of which these are each program's.
-    fn new(scene: &PackedScene, programs: &[(Program, Range<usize>)], records: Vec<GridRecord>) -> Self {
+    fn new(
+        scene: &PackedScene,
+        views: &[View],
+        programs: &[(Program, Range<usize>)],
+        records: Vec<GridRecord>,
+    ) -> Self {
         let (tiles, runs) = in_drawing_order(&records, programs);
-        let mesh = mesh(scene, &records, &tiles, &runs);
+        let mesh = mesh(scene, views, &records, &tiles, &runs);
         Self { records, tiles, runs, mesh }
     }
 }
 
 /// The triangles of tiles as the vertex stage makes them; the corners of each grid stand together, row by row.
-fn mesh(scene: &PackedScene, records: &[GridRecord], tiles: &[Tile], runs: &[Run]) -> Mesh {
+fn mesh(scene: &PackedScene, views: &[View], records: &[GridRecord], tiles: &[Tile], runs: &[Run]) -> Mesh {
     let corners = |record: &GridRecord| -> Vec<Vertex> {
         let [rows, columns] = record.cells();
         if rows == 0 {
             return vec![];
         }
-        (0..=rows).flat_map(|i| (0..=columns).map(move |j| corner(scene, record, i, j))).collect()
+        let view = &views[record.face as usize];
+        (0..=rows).flat_map(|i| (0..=columns).map(move |j| corner(scene, view, record, i, j))).collect()
     };
     let of_records: Vec<Vec<Vertex>> = records.par_iter().map(corners).collect();
     let mut firsts = Vec::with_capacity(records.len());

@@ -48,8 +48,10 @@ impl Waiting {
         if !self.samples.is_empty() {
             tangent_planes(drawing.scene, self.face, &self.places, &mut self.planes);
         }
-        for (&Sample { at: [x, y], depth, owner }, plane) in self.samples.iter().zip(&self.planes) {
-            if tile.passes(x, y, depth) && covers(drawing, self.face, plane, [x as f32 + 0.5, y as f32 + 0.5]) {
+        for ((&Sample { at: [x, y], depth, owner }, place), plane) in
+            self.samples.iter().zip(&self.places).zip(&self.planes)
+        {
+            if tile.passes(x, y, depth) && covers(drawing, self.face, *place, plane, [x as f32 + 0.5, y as f32 + 0.5]) {
                 tile.test(x, y, depth, owner);
             }
         }
@@ -61,7 +63,7 @@ impl Waiting {
 
 /// Whether a fragment of a face, interpolated at picture position `at`, covers it: it is not cut away.
 pub fn is_drawn(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2]) -> bool {
-    !is_bounded(drawing, face) || covers(drawing, face, &tangent_plane(drawing.scene, face, place), at)
+    !is_bounded(drawing, face) || covers(drawing, face, place, &tangent_plane(drawing.scene, face, place), at)
 }
 
 /// Where a fragment of a face, interpolated at picture position `at`, shows it.
@@ -73,8 +75,8 @@ pub fn shown(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2]) -> P
     }
 }
 
-fn covers(drawing: &Drawing, face: u32, plane: &TangentPlane, at: [f32; 2]) -> bool {
-    Sight::new(&drawing.views[face as usize], at).shows(drawing.scene, face, plane)
+fn covers(drawing: &Drawing, face: u32, place: Parameters, plane: &TangentPlane, at: [f32; 2]) -> bool {
+    Sight::new(&drawing.views[face as usize], at).shows(drawing.scene, face, place, plane)
 }
 
 /// Whether some fragments of a face may be cut away.
