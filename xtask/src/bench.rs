@@ -6,10 +6,6 @@ mod sample;
 mod tessellation;
 mod trimming;
 
-use crate::compare::DrawingArgs;
-use crate::format::Format;
-use crate::stage::{Plan, Stage};
-use crate::{say, terminal};
 use agree::disagreement;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -17,6 +13,10 @@ use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use compare::Claims;
 use frames::{Frames, turning};
 use glam::DVec3;
+use isophote::compare::DrawingArgs;
+use isophote::format::Format;
+use isophote::stage::{Plan, Stage};
+use isophote::{say, terminal};
 use pipeline::eval::find_span;
 use pipeline::fragment::{Fragment, fragment_row};
 use pipeline::{PackedScene, Parameters, Scheme};
@@ -137,7 +137,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         })
         .collect();
     let mut trimming = Trimming::new(args.side)?;
-    let bar = crate::terminal::progress("rounds", usize::from(args.rounds));
+    let bar = isophote::terminal::progress("rounds", usize::from(args.rounds));
     for round in 0..args.rounds {
         evaluation[0].values.push(evaluate_f64(&rational, &points));
         evaluation[1].values.push(evaluate_f32(&rational, &points)?);

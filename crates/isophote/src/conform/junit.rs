@@ -121,7 +121,7 @@ fn of_pair(case: &Case, pair: &Pair, seconds: f64) -> TestCase {
     } else {
         let mut body: Vec<String> =
             pair.worst.iter().map(|p| format!("({}, {}) {}: {}", p.x, p.y, p.cause, p.detail)).collect();
-        body.push(format!("again: cargo xtask compare {}", case.options));
+        body.push(format!("again: isophote compare {}", case.options));
         let body: Vec<String> = body.iter().map(|line| plain(line)).collect();
         Finding::Failed(pair.reasons.join(", "), body.join("\n"))
     };
@@ -144,7 +144,7 @@ fn of_wrong(case: &Case, wrong: &Vacuity) -> TestCase {
 }
 
 fn of_error(case: &Case, outcome: &Outcome, error: &str) -> TestCase {
-    let again = plain(&format!("again: cargo xtask compare {}", case.options));
+    let again = plain(&format!("again: isophote compare {}", case.options));
     let finding = Finding::Error(error.to_owned(), again);
     let (name, class) = (case.key.to_string(), class(&case.key.scene));
     TestCase { name, class, seconds: outcome.seconds, outcome: finding }

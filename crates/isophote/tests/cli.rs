@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-fn xtask(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_xtask")).args(arguments).output().expect("xtask starts")
+fn isophote(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_isophote")).args(arguments).output().expect("isophote starts")
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -21,7 +21,7 @@ fn file(name: &str, content: &str) -> PathBuf {
 
 /// Asserts exit code 2, nothing on standard output, and every word in the message.
 fn refused(arguments: &[&str], words: &[&str]) {
-    let output = xtask(arguments);
+    let output = isophote(arguments);
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
     assert!(output.stdout.is_empty(), "{arguments:?}: {}", text(&output.stdout));
@@ -103,7 +103,7 @@ fn negative_numbers_may_have_exponents_in_every_command() {
     let model = model.to_str().expect("UTF-8");
     let view = ["--eye", "-8e-05", "-.5", "2", "--target", "-1E-3", "0", "-2e-4", "--up", "-1e-7", "1", "0"];
     let shift = ["--lens-shift", "-1e-05", "0"];
-    let output = xtask(&[&["scene", model], &view[..], &shift[..]].concat());
+    let output = isophote(&[&["scene", model], &view[..], &shift[..]].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
     let scene: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let camera = &scene["meta"]["camera"];
@@ -116,20 +116,20 @@ fn negative_numbers_may_have_exponents_in_every_command() {
         &["kanai", model, "--cells", "2", "--out", concat!(env!("CARGO_TARGET_TMPDIR"), "/negative")],
     ];
     for command in commands {
-        let output = xtask(&[command, &view[..], &["--size", "8x8"]].concat());
+        let output = isophote(&[command, &view[..], &["--size", "8x8"]].concat());
         assert!(output.status.success(), "{command:?}: {}", text(&output.stderr));
     }
 }
 
 #[test]
 fn without_an_adapter_the_other_two_are_compared_and_the_exit_code_is_2() {
-    let output = Command::new(env!("CARGO_BIN_EXE_xtask"))
+    let output = Command::new(env!("CARGO_BIN_EXE_isophote"))
         .args(["compare", "--size", "48x48", "--format", "json"])
         // The Vulkan loader's two names for the list of drivers.
         .env("VK_DRIVER_FILES", "/nonexistent.json")
         .env("VK_ICD_FILENAMES", "/nonexistent.json")
         .output()
-        .expect("xtask starts");
+        .expect("isophote starts");
     assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
     assert_eq!(report["pairs"].as_array().map(Vec::len), Some(1));
@@ -140,7 +140,7 @@ fn without_an_adapter_the_other_two_are_compared_and_the_exit_code_is_2() {
 
 #[test]
 fn compare_prints_one_json_object_that_agrees() {
-    let output = xtask(&["compare", "--size", "64x64", "--format", "json"]);
+    let output = isophote(&["compare", "--size", "64x64", "--format", "json"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
     assert_eq!((&report["model"], &report["technique"]), (&json!("teapot"), &json!("fragment")));
@@ -156,7 +156,7 @@ fn compare_prints_one_json_object_that_agrees() {
 
 #[test]
 fn samples_are_compared_together_and_saved_one_by_one() {
-    let output = xtask(&["compare", "window", "--size", "40x40", "--antialias", "4", "--format", "json"]);
+    let output = isophote(&["compare", "window", "--size", "40x40", "--antialias", "4", "--format", "json"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
     let samples = report["samples"].as_array().expect("samples");
@@ -172,12 +172,12 @@ fn samples_are_compared_together_and_saved_one_by_one() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let path = |name: &str| folder.join(name).to_str().expect("UTF-8").to_owned();
     let arguments = ["render", "window", "--with", "raycast", "--size", "40x40", "--antialias", "4", "--gbuffer"];
-    let output = xtask(&[&arguments[..], &[&path("of-many.npz")]].concat());
+    let output = isophote(&[&arguments[..], &[&path("of-many.npz")]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(!Path::new(&path("of-many.npz")).exists());
     let arguments = ["render", "window", "--size", "40x40", "--lens-shift", "-0.003125", "0.009375", "--gbuffer"];
-    assert_eq!(xtask(&[&arguments[..], &[&path("first.npz")]].concat()).status.code(), Some(0));
-    let judged = |sample: &str| xtask(&["compare", &path(sample), &path("first.npz"), "--format", "json"]);
+    assert_eq!(isophote(&[&arguments[..], &[&path("first.npz")]].concat()).status.code(), Some(0));
+    let judged = |sample: &str| isophote(&["compare", &path(sample), &path("first.npz"), "--format", "json"]);
     let output = judged("of-many-0.npz");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let output = judged("of-many-1.npz");
@@ -186,12 +186,12 @@ fn samples_are_compared_together_and_saved_one_by_one() {
 }
 
 /// A G-buffer of the teapot that NumPy wrote, 64 x 64.
-const FOREIGN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../testdata/foreign/teapot.npz");
+const FOREIGN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/foreign/teapot.npz");
 
 #[test]
 fn a_saved_gbuffer_is_judged_with_the_same_report_pictures_and_exit_codes() {
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("foreign");
-    let output = xtask(&["compare", FOREIGN, "--format", "json", "--out", out.to_str().expect("UTF-8")]);
+    let output = isophote(&["compare", FOREIGN, "--format", "json", "--out", out.to_str().expect("UTF-8")]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
     assert_eq!((&report["model"], &report["size"]), (&json!("teapot"), &json!([64, 64])));
@@ -201,7 +201,7 @@ fn a_saved_gbuffer_is_judged_with_the_same_report_pictures_and_exit_codes() {
         assert!(out.join(name).exists(), "{name}");
     }
     // Granted less than it needs, it differs.
-    let output = xtask(&["compare", FOREIGN, "--chord", "0.01"]);
+    let output = isophote(&["compare", FOREIGN, "--chord", "0.01"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     let table = text(&output.stdout);
     assert!(table.contains("numpy-example") && table.contains("DIFFER") && table.contains("interpolation"), "{table}");
@@ -249,7 +249,7 @@ fn a_small_file_of_large_arrays_costs_nothing_before_its_model_is_known() {
     buffer.write_npz(&path).expect("a folder to write to");
     assert!(std::fs::metadata(&path).expect("there").len() < 16_000_000);
     // Address space, kB: what the program itself takes, and far below the arrays' 700 MB.
-    let line = format!("ulimit -v 600000; exec {} compare {}", env!("CARGO_BIN_EXE_xtask"), path.display());
+    let line = format!("ulimit -v 600000; exec {} compare {}", env!("CARGO_BIN_EXE_isophote"), path.display());
     let output = Command::new("bash").args(["-c", &line]).output().expect("bash starts");
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
@@ -258,7 +258,7 @@ fn a_small_file_of_large_arrays_costs_nothing_before_its_model_is_known() {
 
 #[test]
 fn a_scene_is_written_for_others_to_draw() {
-    let output = xtask(&["scene", "torus", "--size", "40x30", "--ortho", "3"]);
+    let output = isophote(&["scene", "torus", "--size", "40x30", "--ortho", "3"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let scene: Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
     assert_eq!(scene["meta"]["size"], json!([40, 30]));
@@ -270,7 +270,7 @@ fn a_scene_is_written_for_others_to_draw() {
 fn eval_answers_in_the_conventions_of_the_oracle() {
     let queries = file("queries.json", r#"{"queries": [{"surface": 0, "uv": [[0.25, 0.5], [1, 1]]}]}"#);
     let model = file("square.json", &square().to_string());
-    let output = xtask(&["eval", model.to_str().expect("UTF-8"), "--queries", queries.to_str().expect("UTF-8")]);
+    let output = isophote(&["eval", model.to_str().expect("UTF-8"), "--queries", queries.to_str().expect("UTF-8")]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let first = &answer["queries"][0]["results"][0];
@@ -289,7 +289,7 @@ fn render_writes_a_picture_and_a_gbuffer_that_reads_back() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let (png, npz) = (folder.join("sphere.png"), folder.join("sphere.npz"));
     for with in ["raster", "gpu", "raycast"] {
-        let output = xtask(&[
+        let output = isophote(&[
             "render",
             "sphere",
             "--with",
@@ -315,32 +315,17 @@ fn render_writes_a_picture_and_a_gbuffer_that_reads_back() {
     }
 }
 
-/// Kanai's Fig. 3: per-fragment normals follow the surface, interpolated ones do not.
-#[test]
-fn fragment_normals_are_closer_than_interpolated_ones() {
-    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kanai");
-    let output =
-        xtask(&["kanai", "surface", "--size", "96x96", "--format", "json", "--out", out.to_str().expect("UTF-8")]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let median = |which: &str| report[which]["median_deg"].as_f64().expect("a number");
-    assert!(median("fragment_normals") < median("vertex_normals"), "{report}");
-    for name in ["vertex-normals", "fragment-normals", "raycast", "beside"] {
-        assert!(out.join(format!("{name}.png")).exists());
-    }
-}
-
 #[test]
 fn masks_are_reported_and_too_little_memory_makes_them_coarser_or_is_refused() {
     let texture =
         |more: &[&'static str]| [&["compare", "islands", "--trim", "texture", "--format", "json"], more].concat();
-    let output = xtask(&texture(&["--size", "48x48"]));
+    let output = isophote(&texture(&["--size", "48x48"]));
     assert!(output.status.success(), "{}", text(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let masks = &report["masks"];
     assert_eq!((report["trim"].as_str(), masks["faces"].as_u64()), (Some("texture"), Some(1)), "{report}");
     assert!(masks["error_px"].as_f64().is_some_and(|px| (0.2..=0.5 + 1e-9).contains(&px)) && masks["note"].is_null());
-    let coarser = xtask(&[
+    let coarser = isophote(&[
         "render",
         "islands",
         "--trim",
@@ -364,33 +349,15 @@ fn grids_keep_to_their_limits_and_what_does_not_fit_is_named() {
         [&["compare", "teapot", "--technique", "zones", "--size", "48x36", "--error", "0.5", "--format", "json"], more]
             .concat()
     };
-    let output = xtask(&grids(&["--batch", "3", "--emit", "1024"]));
+    let output = isophote(&grids(&["--batch", "3", "--emit", "1024"]));
     assert!(output.status.success(), "{}", text(&output.stderr));
     refused(&grids(&["--batch", "3", "--emit", "4"]), &["patch (0, 0) of face", "zones", "may emit 1"]);
     // Two cells a side are far off, and said to be: pixels have no verdict, and none differs.
-    let coarse = xtask(&grids(&["--level", "1"]));
+    let coarse = isophote(&grids(&["--level", "1"]));
     assert_eq!(coarse.status.code(), Some(1), "{}", text(&coarse.stderr));
     assert!(text(&coarse.stderr).contains("triangles keep to"), "{}", text(&coarse.stderr));
     let report: Value = serde_json::from_slice(&coarse.stdout).expect("JSON");
     assert_eq!(report["pairs"][0]["verdict"], "no_verdict", "{report}");
-}
-
-/// Geiger's Figs. 17, 32 and 33.
-#[test]
-fn geiger_s_figures_are_drawn_and_timed() {
-    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("geiger");
-    let output =
-        xtask(&["geiger", "islands", "--rounds", "1", "--format", "json", "--out", out.to_str().expect("UTF-8")]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let bytes = |i: usize| report["by_side"][i]["bytes"].as_u64().expect("a number");
-    assert_eq!((bytes(0), bytes(5)), (64 * 64, 2048 * 2048), "{report}");
-    assert!(
-        report["by_chords"].as_array().is_some_and(|rows| rows.iter().all(|row| row["gpu_ms"].as_f64() > Some(0.0)))
-    );
-    for name in ["fig17.png", "zoom.png"] {
-        assert!(std::fs::metadata(out.join(name)).expect("a picture").len() > 1000, "{name}");
-    }
 }
 
 #[test]
@@ -398,7 +365,7 @@ fn trim_edges_are_recorded_blended_and_judged_on_request() {
     let of = |antialias: &str| {
         let [picture, buffer] = ["png", "npz"].map(|end| file(&format!("edges-{antialias}.{end}"), ""));
         let [out, gbuffer] = [&picture, &buffer].map(|path| path.to_str().expect("UTF-8"));
-        let output = xtask(&[
+        let output = isophote(&[
             "render",
             "islands",
             "--size",
@@ -417,7 +384,7 @@ fn trim_edges_are_recorded_blended_and_judged_on_request() {
     assert!(hard != soft);
     // Of saved buffers those are judged by their edges that have some.
     let edges = |path: &str| {
-        let output = xtask(&["compare", path, "--format", "json"]);
+        let output = isophote(&["compare", path, "--format", "json"]);
         assert!(output.status.success(), "{}", text(&output.stderr));
         let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
         report["pairs"][0]["edges"]["recorded"].as_u64()
@@ -448,7 +415,7 @@ fn a_bad_face_is_named_and_the_good_one_is_drawn_unless_strict() {
     let named = "left out: face 0, loop 0: ";
     let render = ["render", path, "--size", "16x16", "--out", picture.to_str().expect("UTF-8")];
     for arguments in [&["info", path][..], &render, &["eval", path]] {
-        let output = xtask(arguments);
+        let output = isophote(arguments);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {message}");
         assert!(message.contains(named) && message.contains("trim 2"), "{arguments:?}: {message}");
@@ -457,7 +424,7 @@ fn a_bad_face_is_named_and_the_good_one_is_drawn_unless_strict() {
         assert_eq!(text(&output.stdout).contains(named), is_told, "notes go to standard error");
         refused(&[arguments, &["--strict"]].concat(), &[named, "--strict"]);
     }
-    let info: Value = serde_json::from_slice(&xtask(&["info", path, "--format", "json"]).stdout).expect("JSON");
+    let info: Value = serde_json::from_slice(&isophote(&["info", path, "--format", "json"]).stdout).expect("JSON");
     assert!(info["notes"][0].as_str().expect("a note").starts_with(named), "{}", info["notes"]);
     assert_eq!((&info["faces"][0]["face"], &info["faces"][0]["number_in_file"]), (&json!(0), &json!(1)));
 }
@@ -475,7 +442,7 @@ fn continuity_answers_with_its_exit_code_and_names_the_place() {
     };
     let (smooth, stepped, bent) =
         (pair("smooth.json", 0.0, 0.0), pair("stepped.json", 0.004, 0.0), pair("bent.json", 0.0, 0.1));
-    let code = |arguments: &[&str]| xtask(arguments).status.code();
+    let code = |arguments: &[&str]| isophote(arguments).status.code();
     assert_eq!(code(&["continuity", &smooth]), Some(0));
     assert_eq!(code(&["continuity", &stepped]), Some(0), "0.004 is below 0.01");
     assert_eq!(code(&["continuity", &stepped, "--gap", "0.003", "--reach", "0.01"]), Some(1));
@@ -486,7 +453,7 @@ fn continuity_answers_with_its_exit_code_and_names_the_place() {
     let alone = file("alone.json", &square().to_string());
     assert_eq!(code(&["continuity", alone.to_str().expect("UTF-8")]), Some(2));
     refused(&["continuity", &smooth, "--gap", "0"], &["--gap", "positive"]);
-    let output = xtask(&["continuity", &bent, "--format", "json"]);
+    let output = isophote(&["continuity", &bent, "--format", "json"]);
     let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let edge = &report["edges"][0];
     assert_eq!((&report["verdict"], &edge["verdict"]), (&json!("fail"), &json!("fail")));
@@ -494,7 +461,7 @@ fn continuity_answers_with_its_exit_code_and_names_the_place() {
     assert!((angle - 0.05f64.atan().to_degrees()).abs() < 1e-9, "{angle}");
     assert_eq!(edge["angle_deg"]["at"]["position"][0], json!(1.0));
     let page = file("bent.html", "");
-    let output = xtask(&["continuity", &bent, "--format", "html", "--out", page.to_str().expect("UTF-8")]);
+    let output = isophote(&["continuity", &bent, "--format", "html", "--out", page.to_str().expect("UTF-8")]);
     assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
     let page = std::fs::read_to_string(page).expect("a page");
     for word in [
@@ -511,7 +478,7 @@ fn continuity_answers_with_its_exit_code_and_names_the_place() {
 
 #[test]
 fn info_says_how_many_bicubic_patches_stand_for_a_model_and_names_the_patch_that_cannot_be() {
-    let info = |tolerance| xtask(&["info", "quintic-quadratic", "--approximate", tolerance, "--format", "json"]);
+    let info = |tolerance| isophote(&["info", "quintic-quadratic", "--approximate", tolerance, "--format", "json"]);
     let found: Value = serde_json::from_slice(&info("1e-4").stdout).expect("JSON");
     let approximation = &found["approximation"];
     assert_eq!(approximation["patches"], found["bezier_patches"]);
@@ -522,7 +489,7 @@ fn info_says_how_many_bicubic_patches_stand_for_a_model_and_names_the_patch_that
     let message = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(2), "{message}");
     assert!(message.contains("surface 0, patch 0 on [") && message.contains("1e-18"), "{message}");
-    let plain: Value = serde_json::from_slice(&xtask(&["info", "teapot", "--format", "json"]).stdout).expect("JSON");
+    let plain: Value = serde_json::from_slice(&isophote(&["info", "teapot", "--format", "json"]).stdout).expect("JSON");
     assert!(plain.get("approximation").is_none());
 }
 
@@ -536,7 +503,7 @@ fn info_of_a_folder_is_a_line_a_file_and_a_bad_one_ends_nothing() {
     std::fs::write(folder.join("bad.step"), "ISO-10303-21;").expect("written");
     std::fs::write(folder.join("notes.txt"), "no model").expect("written");
     let path = folder.to_str().expect("UTF-8");
-    let output = xtask(&["info", path, "teapot", "--format", "json"]);
+    let output = isophote(&["info", path, "teapot", "--format", "json"]);
     assert_eq!(output.status.code(), Some(2));
     let lines: Vec<Value> =
         text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
@@ -550,13 +517,13 @@ fn info_of_a_folder_is_a_line_a_file_and_a_bad_one_ends_nothing() {
     // What is lost is an error where --strict asks; all files of a pattern are one run.
     let pattern = format!("{path}/*.json");
     for (arguments, code) in [(vec!["info", &pattern], 0), (vec!["info", &pattern, "--strict"], 2)] {
-        let output = xtask(&arguments);
+        let output = isophote(&arguments);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}");
         assert!(text(&output.stdout).contains("half.json: 1 faces: 1 b-spline"), "{}", text(&output.stdout));
     }
     let empty = folder.join("empty");
     std::fs::create_dir(&empty).expect("a folder");
-    let output = xtask(&["info", empty.to_str().expect("UTF-8")]);
+    let output = isophote(&["info", empty.to_str().expect("UTF-8")]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stdout).contains("holds no model file"), "{}", text(&output.stdout));
 }

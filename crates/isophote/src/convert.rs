@@ -19,8 +19,8 @@ const USUAL_SHARE: f64 = 1e-3;
 /// OBJ, STL and glTF get triangles, each proven to be within --error of its surface; they are watertight where the model names the
 /// edges that its faces share. The last line says what was written: triangles, the proven distance, edges left open.
 ///
-///   cargo xtask convert part.step --out part.glb --error 0.01
-///   cargo xtask convert teapot --out teapot.step
+///   isophote convert part.step --out part.glb --error 0.01
+///   isophote convert teapot --out teapot.step
 ///
 /// docs/export.md says what each format keeps and loses.
 #[derive(Debug, Args)]

@@ -1,11 +1,11 @@
 //! Adapters that are wrong, lost or not there, and runs that are interrupted.
 
 use crate::setting::{AGREEING, DIFFERING, Losing, folder, gpu, plans, run};
+use isophote::conform::report::{Report, State};
+use isophote::conform::run::Adapter;
+use isophote::conform::table;
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
-use xtask::conform::report::{Report, State};
-use xtask::conform::run::Adapter;
-use xtask::conform::table;
 
 #[test]
 fn all_agree_on_a_sound_adapter() {
@@ -84,13 +84,13 @@ fn an_interrupt_ends_the_run_after_the_case_at_hand() {
 #[test]
 fn without_an_adapter_the_cpu_is_judged_and_the_exit_code_is_2() {
     let folder = folder("no-adapter");
-    let output = Command::new(env!("CARGO_BIN_EXE_xtask"))
+    let output = Command::new(env!("CARGO_BIN_EXE_isophote"))
         .args(["conform", "--shard", "2/18", "--format", "json", "--out"])
         .arg(&folder)
         .env("VK_DRIVER_FILES", "/nonexistent.json")
         .env("VK_ICD_FILENAMES", "/nonexistent.json")
         .output()
-        .expect("xtask starts");
+        .expect("isophote starts");
     assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
     let report: Report = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
     // A case a technique.
@@ -105,7 +105,8 @@ fn an_adapter_of_another_name_and_a_bad_shard_are_named() {
     for (arguments, words) in
         [(["--shard", "4/3"], ["shard 4/3", "from 1"]), (["--suite", "huge"], ["huge", "standard"])]
     {
-        let output = Command::new(env!("CARGO_BIN_EXE_xtask")).arg("conform").args(arguments).output().expect("starts");
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_isophote")).arg("conform").args(arguments).output().expect("starts");
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(words.iter().all(|word| message.contains(word)), "{message}");

@@ -217,7 +217,7 @@ function worst(row, marks) {
   const command = el("code", { tabindex: 0 });
   const choose = ({ pixel, pair }, button) => {
     values.replaceChildren(stages(pixel, pair));
-    command.textContent = `cargo xtask pixel ${model} ${pixel.x},${pixel.y} ${options.join(" ")}`;
+    command.textContent = `isophote pixel ${model} ${pixel.x},${pixel.y} ${options.join(" ")}`;
     for (const mark of marks.values()) mark.classList.remove("chosen");
     const mark = marks.get(`${pixel.x},${pixel.y}`);
     if (mark) mark.classList.add("chosen");
@@ -248,7 +248,7 @@ function detail(row) {
       el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Comparisons" }, pairs),
       el("div", { class: "histograms" }, KINDS.map((kind) => histogram(`Budget: ${kind}`, ...budgetBins(row.outcome.pairs, kind)))),
       row.outcome.error ? el("p", { class: "why" }, row.outcome.error) : worst(row, view ? view.marks : new Map()),
-      el("div", {}, el("h3", {}, "Again"), el("code", { tabindex: 0 }, `cargo xtask compare ${model} ${options.join(" ")}`))));
+      el("div", {}, el("h3", {}, "Again"), el("code", { tabindex: 0 }, `isophote compare ${model} ${options.join(" ")}`))));
 }
 
 // ---- the list of cases ----

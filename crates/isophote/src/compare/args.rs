@@ -29,7 +29,7 @@ use techniques::{DEFAULT_CHORD_PX, Technique};
 /// counts), or nobody shows anything.
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// A model file, the name of a built-in model (see `cargo xtask info --list`), or one or two saved
+    /// A model file, the name of a built-in model (see `isophote info --list`), or one or two saved
     /// G-buffers (.npz)
     #[arg(value_name = "MODEL|FILE.npz", num_args = 1..=2, default_value = "teapot")]
     pub(super) subjects: Vec<String>,

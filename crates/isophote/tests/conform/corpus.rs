@@ -1,11 +1,11 @@
 //! The corpus itself: scenes that show something, and shards that leave none out.
 
+use isophote::conform::corpus::{SCENES, Suite, command_options};
+use isophote::conform::shard::Shard;
+use isophote::stage::Plan;
 use raycast::Caster;
 use scene::Viewport;
 use std::collections::BTreeSet;
-use xtask::conform::corpus::{SCENES, Suite, command_options};
-use xtask::conform::shard::Shard;
-use xtask::stage::Plan;
 
 #[test]
 fn every_scene_shows_its_model_from_every_viewpoint() {

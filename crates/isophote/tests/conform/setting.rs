@@ -2,14 +2,14 @@
 
 use gbuffer::{GBuffer, Hit};
 use glam::DVec3;
+use isophote::conform::corpus::{SCENES, Scene, Suite};
+use isophote::conform::report::{Case, Report, Subject};
+use isophote::conform::run::{Adapter, DrawError, Gpu, Plans};
+use isophote::conform::shard::Shard;
+use isophote::stage::Stage;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
-use xtask::conform::corpus::{SCENES, Scene, Suite};
-use xtask::conform::report::{Case, Report, Subject};
-use xtask::conform::run::{Adapter, DrawError, Gpu, Plans};
-use xtask::conform::shard::Shard;
-use xtask::stage::Stage;
 
 /// Scenes that are quick and agree.
 pub const NAMES: [&str; 3] = ["pole", "repeated-knots", "knots-unclamped"];

@@ -2,14 +2,14 @@
 
 use crate::setting::{AGREEING, DIFFERING, Losing, folder, gpu, run};
 use crate::xsd::Schema;
+use isophote::conform::report::{Report, State};
+use isophote::conform::wrong::Vacuity;
+use isophote::conform::{html, junit, table};
 use serde_json::{Value, json};
 use std::path::Path;
-use xtask::conform::report::{Report, State};
-use xtask::conform::wrong::Vacuity;
-use xtask::conform::{html, junit, table};
 
 fn schema(name: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/schema").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/schema").join(name)
 }
 
 /// What the schema says of a document; empty where it is valid.

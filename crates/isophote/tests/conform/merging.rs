@@ -2,13 +2,13 @@
 
 use crate::setting::{AGREEING, DIFFERING, folder, plans, smoke};
 use anyhow::Result;
+use isophote::conform::corpus::Suite;
+use isophote::conform::merge;
+use isophote::conform::report::{Report, State};
+use isophote::conform::shard::Shard;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};
-use xtask::conform::corpus::Suite;
-use xtask::conform::merge;
-use xtask::conform::report::{Report, State};
-use xtask::conform::shard::Shard;
 
 /// The part of a whole report that a shard would have measured.
 fn shard(whole: &Report, index: usize, count: usize) -> (Report, PathBuf) {
@@ -111,9 +111,9 @@ fn run(name: &str, files: &[(&str, String)]) -> Output {
     for (path, (_, text)) in paths.iter().zip(files) {
         std::fs::write(path, text).expect("a file can be written");
     }
-    let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_isophote"));
     command.args(["conform", "merge"]).args(&paths).arg("--out").arg(folder.join("merged"));
-    command.output().expect("xtask starts")
+    command.output().expect("isophote starts")
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn what_a_report_says_of_itself_is_not_believed() {
         change(&mut report);
         vec![(report, PathBuf::from("r.json"))]
     };
-    let of_pair = |change: &dyn Fn(&mut xtask::conform::report::Pair)| {
+    let of_pair = |change: &dyn Fn(&mut isophote::conform::report::Pair)| {
         with(&|report| {
             let mut changed = pair(report);
             change(&mut changed);
@@ -241,7 +241,7 @@ fn what_a_report_says_of_itself_is_not_believed() {
 #[test]
 fn hostile_shards_are_refused_for_what_is_wrong_with_them() {
     let hostile = |name: &str| {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/hostile").join(name);
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/hostile").join(name);
         serde_json::from_slice::<Value>(&std::fs::read(path).expect("a hostile file")).expect("JSON")
     };
     let whole = smoke(&AGREEING);
@@ -268,9 +268,9 @@ fn endless_reports_are_refused_before_they_are_read() {
     let pipe = folder("merge-pipe").join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo runs").success());
     for path in [pipe.as_path(), std::path::Path::new("/dev/zero")] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_isophote"));
         let output = command.args(["conform", "merge"]).arg(path).arg("--out").arg(folder("merge-out")).output();
-        let output = output.expect("xtask starts");
+        let output = output.expect("isophote starts");
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains("not a regular file"), "{message}");
@@ -314,8 +314,8 @@ fn a_folder_takes_one_run_at_a_time_and_one_shard() {
     let out = folder.join("out");
     std::fs::create_dir_all(&out).expect("a folder can be made");
     let merge = |reports: &[PathBuf]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
-        command.args(["conform", "merge"]).args(reports).arg("--out").arg(&out).output().expect("xtask starts")
+        let mut command = Command::new(env!("CARGO_BIN_EXE_isophote"));
+        command.args(["conform", "merge"]).args(reports).arg("--out").arg(&out).output().expect("isophote starts")
     };
     let paths: Vec<PathBuf> = (0..3).map(|k| folder.join(format!("{k}.json"))).collect();
     for (path, (part, _)) in paths.iter().zip(&parts) {
@@ -330,11 +330,11 @@ fn a_folder_takes_one_run_at_a_time_and_one_shard() {
     // A shard lies there already: neither the joined report nor another shard takes its place.
     std::fs::copy(&paths[1], out.join("report.json")).expect("a file can be copied");
     let before = std::fs::read(out.join("report.json")).expect("there");
-    let again = Command::new(env!("CARGO_BIN_EXE_xtask"))
+    let again = Command::new(env!("CARGO_BIN_EXE_isophote"))
         .args(["conform", "--shard", "3/3", "--out"])
         .arg(&out)
         .output()
-        .expect("xtask starts");
+        .expect("isophote starts");
     for output in [merge(&paths), again] {
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{message}");

@@ -11,7 +11,7 @@ use std::path::Path;
 /// A model by name or file.
 #[derive(Debug, Clone, Args)]
 pub struct ModelArgs {
-    /// A model file or the name of a built-in model (see `cargo xtask info --list`)
+    /// A model file or the name of a built-in model (see `isophote info --list`)
     #[arg(value_name = "MODEL", default_value = "teapot")]
     pub model: String,
     /// Refuse a file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap closed

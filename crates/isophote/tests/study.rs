@@ -1,5 +1,8 @@
 //! A study holds what it must, of small models.
 
+use isophote::cost::Patience;
+use isophote::stage::{Plan, Stage};
+use isophote::study::{Goal, Outcome, Report, page, study};
 use pipeline::PackedScene;
 use pipeline::wgsl::Part;
 use scene::{Camera, Model, Viewport};
@@ -8,9 +11,6 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Arc;
 use techniques::{PrepareError, Prepared, Setting, Technique};
-use xtask::cost::Patience;
-use xtask::stage::{Plan, Stage};
-use xtask::study::{Goal, Outcome, Report, page, study};
 
 /// A technique that never comes to anything.
 struct Broken;
@@ -57,7 +57,7 @@ fn small(model: &Model, goals: &[Goal]) -> (Report, String) {
 }
 
 fn faults(document: &Value) -> Vec<String> {
-    let schema = serde_json::from_str(include_str!("../../testdata/schema/study-1.json")).unwrap();
+    let schema = serde_json::from_str(include_str!("../../../testdata/schema/study-1.json")).unwrap();
     let validator = jsonschema::validator_for(&schema).unwrap();
     validator.iter_errors(document).map(|error| error.to_string()).collect()
 }
@@ -159,7 +159,7 @@ fn the_page_holds_everything_and_fetches_nothing() {
 fn the_command_makes_the_folder_that_is_missing() {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("study-{}", std::process::id()));
     let out = folder.join("deep/er");
-    let output = Command::new(env!("CARGO_BIN_EXE_xtask"))
+    let output = Command::new(env!("CARGO_BIN_EXE_isophote"))
         .args(["study", "sphere", "--size", "32x32", "--triangles", "200", "--errors", "2"])
         .args(["--frames", "3", "--seconds", "0.001", "--format", "json", "--out"])
         .arg(&out)

@@ -98,7 +98,7 @@ pub struct Case {
     pub key: CaseKey,
     /// Width and height, pixels.
     pub size: [usize; 2],
-    /// The options of `cargo xtask pixel MODEL X,Y` and `compare MODEL` that show it again.
+    /// The options of `isophote pixel MODEL X,Y` and `compare MODEL` that show it again.
     pub options: String,
     /// Triangles drawn.
     pub triangles: usize,

@@ -2,9 +2,9 @@
 
 use crate::devtools::{Page, is_there};
 use crate::setting::{AGREEING, DIFFERING, folder};
+use isophote::conform::html;
+use isophote::conform::report::Report;
 use serde_json::json;
-use xtask::conform::html;
-use xtask::conform::report::Report;
 
 /// A report of a sound adapter and of one that is wrong, with counted histograms on the latter.
 fn report() -> Report {
@@ -85,7 +85,7 @@ fn the_page_loads_sorts_filters_and_swipes() {
     let values = page.evaluate("document.querySelector('.stages').textContent");
     assert!(values.as_str().is_some_and(|text| text.contains("k1, k2")), "{values}");
     let again = page.evaluate("document.querySelector('.panel code').textContent");
-    assert!(again.as_str().is_some_and(|text| text.starts_with("cargo xtask pixel ")), "{again}");
+    assert!(again.as_str().is_some_and(|text| text.starts_with("isophote pixel ")), "{again}");
     assert_eq!(page.evaluate("document.querySelectorAll('.panel .histogram rect').length"), 60);
     page.screenshot(&folder.join("case.png"));
 

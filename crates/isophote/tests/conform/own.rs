@@ -1,24 +1,24 @@
 //! A user's own corpus: a line a file, and a bad one ends nothing.
 
 use crate::setting::folder;
+use isophote::conform::report::{Report, State};
+use isophote::conform::{html, junit, table};
 use std::path::Path;
 use std::process::Command;
-use xtask::conform::report::{Report, State};
-use xtask::conform::{html, junit, table};
 
 const SQUARE: &str = r#"{"format": "nurbs-neutral", "version": 1, "surfaces": [{"degree": [1, 1], "nu": 2, "nv": 2,
     "knots_u": [0, 0, 1, 1], "knots_v": [0, 0, 1, 1], "weights": null,
     "points": [[-1, -1, 0], [-1, 1, 0], [1, -1, 0], [1, 1, 0.5]]}]}"#;
 
 fn conform(arguments: &[&str], out: &Path) -> Option<i32> {
-    let output = Command::new(env!("CARGO_BIN_EXE_xtask"))
+    let output = Command::new(env!("CARGO_BIN_EXE_isophote"))
         .args(["conform", "--format", "json", "--out", out.to_str().expect("UTF-8")])
         .args(arguments)
         // Without a GPU, the CPU rasterizer is judged.
         .env("VK_DRIVER_FILES", "/nonexistent.json")
         .env("VK_ICD_FILENAMES", "/nonexistent.json")
         .output()
-        .expect("xtask starts");
+        .expect("isophote starts");
     output.status.code()
 }
 

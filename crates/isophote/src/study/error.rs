@@ -1,6 +1,6 @@
 //! How far a picture is off: in pixels, in degrees, and at its outlines.
 
-use crate::kanai::angle_deg;
+use crate::angles::angle_deg;
 use gbuffer::GBuffer;
 use scene::{Camera, FaceId};
 use serde::Serialize;
