@@ -7,7 +7,7 @@ use xtask::{bench, bless, ci, geiger, kanai, mutants};
 
 /// Isophote and what its developers need
 #[derive(Parser)]
-#[command(name = "cargo xtask", version, arg_required_else_help = true)]
+#[command(name = "cargo xtask", version, arg_required_else_help = true, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -12,6 +12,15 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
+#[test]
+fn numbers_out_of_their_domain_are_refused_by_name() {
+    for arguments in [["kanai", "--cells", "0"], ["mutants", "--jobs", "0"]] {
+        let output = xtask(&arguments);
+        let message = text(&output.stderr);
+        assert!(output.status.code() == Some(2) && message.contains(arguments[1]), "{arguments:?}: {message}");
+    }
+}
+
 /// Kanai's Fig. 3: per-fragment normals follow the surface, interpolated ones do not.
 #[test]
 fn fragment_normals_are_closer_than_interpolated_ones() {

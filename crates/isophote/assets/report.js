@@ -169,11 +169,12 @@ sortable($("matrix"), [{ title: "Scene", value: (line) => line.scene.name },
 drawMatrix((a, b) => Math.max(...b.cells.map(severity)) - Math.max(...a.cells.map(severity)));
 
 // ---- one case ----
-const NAMES = { raycast: "ray caster", raster: "CPU rasterizer", gpu: "GPU" };
+const NAMES = { raycast: "ray caster", raster: "CPU rasterizer", gpu: "GPU", foreign: "renderer under test" };
 function viewer(row) {
   const cpu = row.entry.outcomes.find((outcome) => subjectById.get(outcome.subject).kind === "cpu");
   const pictures = { raycast: row.entry.picture, raster: cpu && cpu.picture };
-  if (row.outcome !== cpu) pictures.gpu = row.outcome.picture;
+  const own = subjectById.get(row.outcome.subject).kind === "foreign" ? "foreign" : "gpu";
+  if (row.outcome !== cpu) pictures[own] = row.outcome.picture;
   const shown = Object.keys(pictures).filter((name) => pictures[name]);
   if (shown.length < 2) return null;
   const images = [0, 1].map(() => el("img", { alt: "" }));

@@ -7,7 +7,7 @@ use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use serde_json::json;
 
-/// List the GPU adapters that can be compared, software ones among them
+/// List the GPU adapters of this machine, software ones too
 #[derive(Debug, Args)]
 pub struct AdaptersArgs {
     /// For people or for machines

@@ -14,7 +14,7 @@ use serde::Serialize;
 pub struct ApproximateArgs {
     /// Draw bicubic patches within this distance of the model's own: in model units, or in pixels where the model is nearest, as
     /// in 0.1px
-    #[arg(long = "approximate", value_name = "TOL", value_parser = tolerance, allow_hyphen_values = true)]
+    #[arg(long = "approximate", hide_short_help = true, value_name = "TOL", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: Option<Tolerance>,
 }
 

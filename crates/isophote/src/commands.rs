@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 /// NURBS surfaces, exact per pixel, three independent ways, and how far the three agree
 #[derive(Debug, Parser)]
-#[command(name = "isophote", version, arg_required_else_help = true)]
+#[command(name = "isophote", version, arg_required_else_help = true, max_term_width = 100)]
 pub struct Cli {
     /// What is to be done.
     #[command(subcommand)]

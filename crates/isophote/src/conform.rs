@@ -3,6 +3,7 @@
 pub mod answer;
 pub mod check;
 pub mod corpus;
+pub mod foreign;
 pub mod html;
 pub mod junit;
 pub mod merge;
@@ -25,7 +26,7 @@ use shard::Shard;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Run the conformance suite on a GPU adapter, and write a report that opens in a browser
+/// Run the conformance suite on a GPU, and write a report
 ///
 /// Renders each scene of a portable corpus by the ray caster, the CPU rasterizer and the GPU, compares all pairs, and
 /// writes report.html, report.json and junit.xml. A run that is cut short leaves what it measured.
@@ -34,7 +35,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 ///
 /// Exit code 0: all agree; 1: something differs; 2: something could not run, could not be read or is missing.
 #[derive(Debug, Args)]
-#[command(args_conflicts_with_subcommands = true)]
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "\
+Examples:
+  isophote conform                               17 s on two cores
+  isophote conform --suite standard --shard 1/3  a third, on one of three machines
+  isophote conform merge conform-* --out conform join them
+  isophote conform --models parts                your own files, each a scene
+  isophote conform export scenes                 for a renderer of your own,
+  isophote conform judge scenes                  and its verdict"
+)]
 pub struct ConformArgs {
     #[command(subcommand)]
     command: Option<ConformCommand>,
@@ -45,13 +56,16 @@ pub struct ConformArgs {
 #[derive(Debug, Subcommand)]
 enum ConformCommand {
     Merge(merge::MergeArgs),
+    Export(foreign::ExportArgs),
+    Judge(foreign::JudgeArgs),
 }
 
 /// What is run.
 #[derive(Debug, Args)]
 pub struct RunArgs {
-    /// Part of the adapter's name, or `all` for each adapter of this machine (those of one name and driver once)
-    /// [default: the best one]
+    /// Part of the adapter's name, or `all` [default: the best one]
+    ///
+    /// `all` takes each adapter of this machine, those of one name and driver once.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
     /// How much of the corpus
@@ -71,8 +85,11 @@ pub struct RunArgs {
 /// # Errors
 /// Where the folder cannot be written. An adapter that is not there is no error here: the report says so.
 pub fn run(args: &ConformArgs) -> Result<ExitCode> {
-    if let Some(ConformCommand::Merge(args)) = &args.command {
-        return merge::run(args);
+    match &args.command {
+        None => {}
+        Some(ConformCommand::Merge(args)) => return merge::run(args),
+        Some(ConformCommand::Export(args)) => return foreign::export(args),
+        Some(ConformCommand::Judge(args)) => return foreign::judge(args),
     }
     let RunArgs { adapter, suite, shard, models, output } = &args.run;
     let plans = Plans { suite: *suite, scenes: models.scenes(*suite), shard: *shard };

@@ -12,15 +12,24 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Certify the edges that faces share: gap, angle and curvature, each with a proven bound and the place of the worst
+/// Certify the edges that faces share: gap, angle, curvature
+///
+/// Each has a proven bound and the place of the worst.
 ///
 /// Exit code 0: every edge passes. 1: an edge fails, at a place that is named. 2: an error, no shared edge, or no edge fails but
 /// one is undecided. docs/continuity.md says what is proven.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  isophote continuity wing.step                 by class A: 0.01 mm and 0.1 degrees
+  isophote continuity wing.step --class C
+  isophote continuity wing.step --format html --out wing.html")]
 pub struct ContinuityArgs {
     #[command(flatten)]
     model: ModelArgs,
-    /// Limits of a class: A 0.01 and 0.1 degrees, B 0.02 and 0.2, C 0.05 and 0.5; lengths in mm, which a model without units is taken for
+    /// Limits of a class
+    ///
+    /// A: 0.01 and 0.1 degrees; B: 0.02 and 0.2; C: 0.05 and 0.5. Lengths are in mm, which a model without units is taken for.
     #[arg(long, value_enum, default_value_t)]
     class: ClassName,
     /// The greatest gap, model units, instead of the class's
@@ -29,16 +38,20 @@ pub struct ContinuityArgs {
     /// The greatest angle between the tangent planes, degrees, instead of the class's
     #[arg(long, value_name = "DEG", value_parser = number::positive, allow_hyphen_values = true)]
     angle: Option<f64>,
-    /// The greatest relative difference of the normal curvatures across the edge; without it, curvature is reported and not judged
+    /// The greatest relative difference of the normal curvatures across the edge
+    ///
+    /// Without it, curvature is reported and not judged.
     #[arg(long, value_name = "REL", value_parser = number::positive, allow_hyphen_values = true)]
     curvature: Option<f64>,
-    /// How near borders must run to be neighbours where the file names none, model units [default: 10 gaps, at most 1/1000 of the model]
+    /// How near borders must run to be neighbours where the file names none, model units
+    ///
+    /// Unless given it is 10 gaps, and at most 1/1000 of the model.
     #[arg(long, value_name = "LEN", value_parser = number::positive, allow_hyphen_values = true)]
     reach: Option<f64>,
     /// How to answer
     #[arg(long, value_enum, default_value_t)]
     format: PageFormat,
-    /// Write a picture, too: isophotes and zebra side by side, with the edges that are seen by their class
+    /// Write a picture, too: isophotes beside zebra stripes, edges by their class
     #[arg(long, value_name = "X.png")]
     overlay: Option<PathBuf>,
     /// Write to this file instead of standard output

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// Without `--error`, triangles are within this share of the diagonal of the model's box.
 const USUAL_SHARE: f64 = 1e-3;
 
-/// Write a model as exact surfaces (.json, .step) or as triangles at a stated error (.obj, .stl, .glb)
+/// Write a model as exact surfaces or as proven triangles
 ///
 /// The extension of --out chooses the format. JSON and STEP keep every control point, knot and weight, and every trim's curve in
 /// (u, v), bit for bit; STEP adds edges in space, one for two faces where the model names it.
@@ -31,7 +31,7 @@ pub struct ConvertArgs {
     /// The file to write: .json, .step, .stp, .obj, .stl or .glb
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// How far a triangle may be from its surface, model units [default: 1/1000 of the diagonal of the model's box]
+    /// How far a triangle may be from its surface [default: 1/1000 of the model's diagonal]
     #[arg(long, value_name = "LEN", value_parser = number::positive, allow_hyphen_values = true)]
     error: Option<f64>,
 }

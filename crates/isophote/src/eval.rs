@@ -11,11 +11,16 @@ use std::path::PathBuf;
 
 /// Evaluate surfaces at given (u, v) in f64
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  isophote eval teapot --queries points.json")]
 pub struct EvalArgs {
     #[command(flatten)]
     model: ModelArgs,
-    /// A JSON file {"queries": [{"surface": k, "uv": [[u, v], …], "sides": [[±1, ±1], …]}]}; "sides" is optional:
-    /// −1 takes the limit from below at a knot [default: nine points of every surface]
+    /// A JSON file of parameters [default: nine points of every surface]
+    ///
+    /// {"queries": [{"surface": k, "uv": [[u, v], …], "sides": [[±1, ±1], …]}]}; "sides" is optional: −1 takes the limit from
+    /// below at a knot.
     #[arg(long, value_name = "FILE")]
     queries: Option<PathBuf>,
 }

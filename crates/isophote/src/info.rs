@@ -16,21 +16,32 @@ use overview::Overview;
 use serde::Serialize;
 use std::process::ExitCode;
 
-/// Show what a model consists of: faces by surface, degrees, knots, boxes, trims, gaps, and what of the file is not drawn
+/// Show what a model consists of, and what of its file is not drawn
+///
+/// Of one model: faces by surface, degrees, knots, boxes, trims, gaps.
 ///
 /// Of several files, directories or patterns it prints a line a file. A bad file is a line with its error, and the exit code is 2.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  isophote info part.step         faces, trims, gaps, and what is not drawn
+  isophote info 'parts/*.step'    a line a file
+  isophote info --list            the built-in models")]
 pub struct InfoArgs {
-    /// Model files, directories of them, patterns such as 'parts/*.step', or names of built-in models (--list)
+    /// Model files, directories, patterns such as 'parts/*.step', or built-in models
     #[arg(value_name = "MODEL", default_value = "teapot")]
     models: Vec<String>,
-    /// Refuse a file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap closed
+    /// Refuse a file that is not drawn as it stands
+    ///
+    /// A face left out, a loop dropped and a wide gap closed are such.
     #[arg(long)]
     strict: bool,
     /// List the built-in models instead
     #[arg(long)]
     list: bool,
-    /// Say how many bicubic patches stand for the model within this distance, model units, and how far off they are at most
+    /// Say how many bicubic patches stand for the model within this distance, model units
+    ///
+    /// It also says how far off they are at most.
     #[arg(long, value_name = "TOL", value_parser = number::positive, allow_hyphen_values = true)]
     approximate: Option<f64>,
     /// For people or for machines; of several files, a JSON object a line

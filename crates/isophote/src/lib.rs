@@ -20,6 +20,7 @@ pub mod format;
 pub mod info;
 pub mod limits;
 pub mod listing;
+pub mod look;
 pub mod man;
 pub mod masks;
 pub mod number;

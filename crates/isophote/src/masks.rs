@@ -13,17 +13,17 @@ const DEFAULT_MASK_PX: f64 = 0.5;
 #[derive(Debug, Clone, Args)]
 pub struct TrimArgs {
     /// How the rasterizers trim faces, and saved G-buffers may [default: exact]
-    #[arg(long, value_enum)]
+    #[arg(long, hide_short_help = true, value_enum)]
     trim: Option<TrimName>,
     /// With --trim texture: how far an edge may be off in the picture, from texels and chords together, pixels; of a saved
     /// G-buffer, the most that its masks may claim
-    #[arg(long, value_name = "PX", default_value_t = DEFAULT_MASK_PX, value_parser = number::error_px, allow_hyphen_values = true)]
+    #[arg(long, hide_short_help = true, value_name = "PX", default_value_t = DEFAULT_MASK_PX, value_parser = number::error_px, allow_hyphen_values = true)]
     mask_px: f64,
     /// With --trim texture: the most memory of all masks together, MB of a million bytes; beyond it they are made coarser
-    #[arg(long, value_name = "MB", default_value_t = 256)]
+    #[arg(long, hide_short_help = true, value_name = "MB", default_value_t = 256)]
     mask_memory: u32,
     /// With --trim texture: how the CPU draws masks
-    #[arg(long, value_enum, default_value = "even-odd")]
+    #[arg(long, hide_short_help = true, value_enum, default_value = "even-odd")]
     mask_fill: FillName,
 }
 

@@ -39,6 +39,11 @@ pub fn field_of_view(text: &str) -> Result<f64, String> {
     number(text, "an angle above 0 and below 180 degrees", |x| x > 0.0 && x < 180.0)
 }
 
+/// An angle above the horizon, degrees.
+pub fn elevation(text: &str) -> Result<f64, String> {
+    number(text, "an angle from -89 to 89 degrees (see --view top)", |x| (-89.0..=89.0).contains(&x))
+}
+
 /// An error that is asked for, pixels: a tolerance of half a picture would let any picture agree.
 pub fn error_px(text: &str) -> Result<f64, String> {
     let what = format!("a positive number of at most {MAX_ERROR_PX} pixels");
@@ -53,18 +58,19 @@ mod tests {
     fn what_is_outside_a_domain_is_refused() {
         let nonsense =
             ["nan", "NaN", "-nan", "inf", "-inf", "infinity", "1e999", "-1e999", "", " 1", "1 ", "x", "1,5", "0x1"];
-        for parse in [finite, positive, not_negative, share, field_of_view, error_px] {
+        for parse in [finite, positive, not_negative, share, field_of_view, elevation, error_px] {
             for text in nonsense {
                 assert!(parse(text).is_err(), "{text:?}");
             }
         }
         type Case = (fn(&str) -> Result<f64, String>, &'static [&'static str], &'static [&'static str]);
-        let cases: [Case; 6] = [
+        let cases: [Case; 7] = [
             (finite, &["-8e-05", "-.5", "1E3", "0"], &[]),
             (positive, &["1e-300", "4"], &["0", "-0", "-1", "-8e-05"]),
             (not_negative, &["0", "1e9"], &["-1e-300"]),
             (share, &["0", "0.01", "1"], &["-0.01", "1.0001", "5", "-1e-9"]),
             (field_of_view, &["1e-3", "179.9"], &["0", "180", "-40"]),
+            (elevation, &["-89", "0", "89"], &["-90", "91"]),
             (error_px, &["0.25", "1e-6", "64"], &["0", "-1", "64.1", "1e9"]),
         ];
         for (parse, legal, illegal) in cases {

@@ -14,10 +14,13 @@ use pipeline::enclosure::{Enclosure, Enclosures, Interval};
 use raycast::Caster;
 use std::process::ExitCode;
 
-/// Explain one pixel: each stage's values in each renderer, and what the comparison says of it
+/// Explain one pixel, stage by stage, in each renderer
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  isophote pixel teapot 120,80 --size 256x256")]
 pub struct PixelArgs {
-    /// A model file or the name of a built-in model
+    /// A model file, or a built-in model's name (`isophote info --list`)
     model: String,
     /// Column and row, from the top left corner, from 0
     #[arg(value_name = "X,Y")]

@@ -2,8 +2,10 @@
 
 use crate::antialias::Antialias;
 use crate::approximate::ApproximateArgs;
-use crate::compare::{DrawingArgs, Shade};
+use crate::compare::DrawingArgs;
+use crate::look::{LookArgs, Painter};
 use crate::masks::MaskReport;
+use crate::output;
 use crate::overlay::Overlay;
 use crate::say;
 use crate::stage::{Plan, Stage};
@@ -19,8 +21,13 @@ use scene::{Camera, Model, Viewport};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// Render a model by one renderer, to a picture, a G-buffer or the terminal
+/// Render a model to a picture, a G-buffer or the terminal
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  isophote render part.step --view iso --out part.png
+  isophote render teapot --shade zebra --stripes 31 --out zebra.png
+  isophote render part.step --shade mean --legend --out mean.png")]
 pub struct RenderArgs {
     #[command(flatten)]
     model: ModelArgs,
@@ -30,29 +37,32 @@ pub struct RenderArgs {
     drawing: DrawingArgs,
     #[command(flatten)]
     approximate: ApproximateArgs,
-    /// Which renderer
-    #[arg(long, value_enum, default_value = "raster")]
+    /// The renderer
+    #[arg(long, help_heading = "Drawing", value_enum, default_value = "raster")]
     with: With,
-    /// What the picture shows
-    #[arg(long, value_enum, default_value = "isophotes")]
-    shade: Shade,
-    /// Write the picture to this PNG file
-    #[arg(long, value_name = "X.png")]
+    #[command(flatten)]
+    look: LookArgs,
+    /// Write the picture to this PNG file, or to standard output (`-`)
+    ///
+    /// Folders on the way are made. What cannot be written is refused before anything is drawn.
+    #[arg(long, help_heading = "Output", value_name = "X.png")]
     out: Option<PathBuf>,
-    /// Smooth the edges of faces, trims and colours
-    #[arg(long, value_enum, default_value = "none")]
+    /// Smooth edges
+    ///
+    /// With 4, 8 or 16 a pixel is the mean of so many samples, in linear light; `trims` smooths trim edges alone, at one.
+    #[arg(long, help_heading = "Output", value_enum, default_value = "none")]
     antialias: Antialias,
-    /// Write the G-buffer to this NumPy file; with --antialias one a sample, X-0.npz, X-1.npz …, each with the lens shift of
-    /// its sample in its camera, so that `compare` judges it by itself
-    #[arg(long, value_name = "X.npz")]
+    /// Write the G-buffer to this NumPy file
+    ///
+    /// With --antialias there is one a sample, X-0.npz, X-1.npz …, each with the lens shift of its sample in its camera, so
+    /// that `compare` judges it by itself.
+    #[arg(long, help_heading = "Output", value_name = "X.npz")]
     gbuffer: Option<PathBuf>,
-    /// Draw the edges that faces share over the picture, by their class: A green, B blue, C orange, undecided purple, none red,
-    /// free ones grey
-    #[arg(long, value_enum)]
+    /// Draw shared edges by their class
+    ///
+    /// A is green, B blue, C orange, undecided purple, none red; free ones are grey.
+    #[arg(long, help_heading = "Output", value_enum)]
     overlay: Option<OverlayKind>,
-    /// Put the legend of a curvature map beside the picture
-    #[arg(long)]
-    legend: bool,
 }
 
 /// What is drawn over a picture.
@@ -77,6 +87,10 @@ enum With {
 /// # Errors
 /// Where input is bad, there is no adapter, or a file cannot be written.
 pub fn run(args: &RenderArgs) -> Result<()> {
+    // Before a large file is read for nothing.
+    args.look.check()?;
+    args.out.iter().filter(|path| !output::is_standard(path)).try_for_each(|path| output::check(path, "png"))?;
+    args.gbuffer.iter().try_for_each(|path| output::check(path, "npz"))?;
     let Document { model: original, unit, .. } = args.model.document()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&original, viewport)?;
@@ -87,7 +101,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     }
     let count = args.antialias.pattern().positions().len();
     let mut paths = args.gbuffer.as_ref().map(|path| files(path, count).into_iter());
-    let shading = args.shade.shading();
     let shows = args.out.is_some() || (args.gbuffer.is_none() && terminal::is_terminal());
     let bar = (count > 1).then(|| terminal::progress("samples", count));
     let overlay = args.overlay.filter(|_| shows).map(|OverlayKind::Continuity| {
@@ -95,7 +108,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         let limits = Class::A.limits().in_units_of(millimetres);
         Overlay::of(&report(&original, Settings { millimetres, ..Settings::new(limits, &original) }))
     });
-    let (mut covered, mut open, mut pictures) = (0, 0, vec![]);
+    let length = unit.as_ref().map_or("unit", |unit| &unit.name);
+    let (mut covered, mut open, mut pictures, mut painter) = (0, 0, vec![], None::<Painter>);
+    let mut seen = vec![0u32; viewport.pixels()];
     each_sample(args, model, camera, viewport, |camera, buffer| {
         if let Some(path) = paths.as_mut().and_then(Iterator::next) {
             buffer.write_npz(path)?;
@@ -103,7 +118,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         covered += buffer.covered();
         open += buffer.undecided();
         if shows {
-            let picture = buffer.shaded(&shading, model, camera)?;
+            // A range that is found is that of the first sample.
+            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length));
+            let picture = painter.painted(&buffer, model, camera)?;
+            seen.iter_mut().zip(buffer.pixels()).for_each(|(seen, hit)| *seen += u32::from(hit.is_some()));
             let picture = if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture };
             pictures.push(match &overlay {
                 Some(overlay) => overlay.drawn(&picture, &buffer, camera)?,
@@ -117,14 +135,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if open > 0 {
         terminal::note(format_args!("warning: {open} pixels have no answer: their searches did not converge"));
     }
-    if shows {
-        let mut picture = Picture::average(&pictures)?;
-        if let Some(legend) = shading.legend(viewport.height()).filter(|_| args.legend) {
-            picture = Picture::beside(&[&picture, &legend]);
-        }
+    if let Some(painter) = painter {
+        let picture = Picture::average(&pictures)?;
         match &args.out {
-            Some(path) => picture.write_png(path)?,
-            None => terminal::show(&picture)?,
+            Some(path) => output::write(path, &painter.png(&picture, &seen, count)?)?,
+            None => terminal::show(&painter.with_legend(&picture))?,
         }
     }
     if args.out.is_none() && args.gbuffer.is_none() {

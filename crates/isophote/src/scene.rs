@@ -8,17 +8,22 @@ use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Write a scene as JSON, for a renderer of your own to draw: surfaces, faces, camera, and the meta of its G-buffer
+/// Write a scene as JSON, for a renderer of your own to draw
+///
+/// It holds surfaces, faces, the camera, and the meta of the G-buffer that your renderer writes.
 ///
 /// docs/gbuffer.md describes the file, and the G-buffer that `compare` then judges.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  isophote scene teapot --size 64x64 --out scene.json")]
 pub struct SceneArgs {
     #[command(flatten)]
     model: ModelArgs,
     #[command(flatten)]
     view: ViewArgs,
-    /// Write to this file instead of standard output
-    #[arg(long, value_name = "X.json")]
+    /// Write to this file instead of standard output; folders on the way are made
+    #[arg(long, help_heading = "Output", value_name = "X.json")]
     out: Option<PathBuf>,
 }
 
@@ -27,6 +32,7 @@ pub struct SceneArgs {
 /// # Errors
 /// Where input is bad or the file cannot be written.
 pub fn run(args: &SceneArgs) -> Result<()> {
+    args.out.iter().filter(|path| !output::is_standard(path)).try_for_each(|path| output::check(path, "json"))?;
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;

@@ -32,39 +32,48 @@ pub use page::{Worst, page};
 pub use report::{Adapter, Report};
 pub use row::{Measured, Outcome, Row, Scene};
 
-/// Compare all techniques at equal triangles, then at equal error: how far off they are, and what a frame costs
+/// Compare all techniques at equal triangles, then at equal error
+///
+/// It says how far off they are, and what a frame costs.
 ///
 /// Every technique is made to meet each budget of triangles and each bound on the error in pixels. Printed of each: errors in
 /// pixels and degrees against the ray caster, the greatest, the 99th percentile and where; outlines; triangles; time on CPU and
 /// GPU; bytes held and sent. A technique that fails is shown with its reason; a renderer that disagrees is not timed.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  isophote study teapot --size 128x96 --out study")]
 pub struct StudyArgs {
     #[command(flatten)]
     model: ModelArgs,
     #[command(flatten)]
     view: ViewArgs,
-    /// Part of the GPU adapter's name [default: a hardware one, else a software one]
-    #[arg(long, value_name = "NAME")]
+    /// Part of the GPU adapter's name (`isophote adapters`)
+    #[arg(long, help_heading = "What is measured", value_name = "NAME")]
     adapter: Option<String>,
     #[command(flatten)]
     approximate: ApproximateArgs,
-    /// Budgets of triangles [default: 8, 32, 128 and 512 for each Bézier patch, two million at most]
-    #[arg(long, value_delimiter = ',')]
+    /// Budgets of triangles
+    ///
+    /// Unless given: 8, 32, 128 and 512 for each Bézier patch, two million at most.
+    #[arg(long, help_heading = "What is measured", value_delimiter = ',')]
     triangles: Vec<usize>,
     /// Errors, pixels
-    #[arg(long, value_delimiter = ',', value_name = "PX", default_values_t = [4.0, 1.0, 0.5, 0.25], value_parser = number::error_px)]
+    #[arg(long, help_heading = "What is measured", value_delimiter = ',', value_name = "PX", default_values_t = [4.0, 1.0, 0.5, 0.25], value_parser = number::error_px)]
     errors: Vec<f64>,
     /// Frames of a time, at most
-    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u16).range(3..=10000))]
+    #[arg(long, help_heading = "What is measured", default_value_t = 100, value_parser = clap::value_parser!(u16).range(3..=10000))]
     frames: u16,
-    /// Seconds that a time may take; three frames are drawn whatever they take
-    #[arg(long, default_value_t = 0.5, value_parser = number::positive)]
+    /// Seconds that a time may take
+    #[arg(long, help_heading = "What is measured", default_value_t = 0.5, value_parser = number::positive)]
     seconds: f64,
-    /// Write report.json and study.html, one page with plots and the pictures at the worst pixels, to this folder
-    #[arg(long, value_name = "DIR")]
+    /// Write report.json and study.html to this folder
+    ///
+    /// The page has plots, and pictures at the worst pixels.
+    #[arg(long, help_heading = "Output", value_name = "DIR")]
     out: Option<PathBuf>,
     /// For people or for machines
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, help_heading = "Output", value_enum, default_value_t)]
     format: Format,
 }
 

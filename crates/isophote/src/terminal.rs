@@ -56,9 +56,16 @@ pub fn is_terminal() -> bool {
 }
 
 fn print(text: &str) -> Result<()> {
+    bytes(format!("{text}\n").as_bytes())
+}
+
+/// Writes a file's bytes to standard output.
+///
+/// # Errors
+/// [`OutputError`].
+pub fn bytes(bytes: &[u8]) -> Result<()> {
     let mut out = io::stdout().lock();
-    let written = out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")).and_then(|()| out.flush());
-    Ok(written.map_err(OutputError)?)
+    Ok(out.write_all(bytes).and_then(|()| out.flush()).map_err(OutputError)?)
 }
 
 /// Prints lines, without the characters that would do something else than be read; [`say!`](crate::say) calls it.

@@ -33,6 +33,36 @@ pub fn escaped_lines(text: &str) -> Cow<'_, str> {
     replaced(text, |c| is_hidden(c) && c != '\n' && c != '\t', |shown, c| shown.extend(c.escape_unicode()))
 }
 
+/// The name that was most likely meant by a misspelt one: at most a third of its characters are wrong, missing, too many or
+/// exchanged with their neighbours. `None` where none is that near. Text of over 64 characters is nobody's name.
+pub fn nearest<'n>(text: &str, names: &[&'n str]) -> Option<&'n str> {
+    let near = names.iter().map(|name| (edits(&text.to_lowercase(), name), *name));
+    let allowed = text.chars().count().div_ceil(3);
+    near.filter(|(edits, _)| text.len() <= 64 && *edits <= allowed)
+        .min_by_key(|(edits, _)| *edits)
+        .map(|(_, name)| name)
+}
+
+/// How many characters must be changed, put in, left out or exchanged with the next to make one text of the other (Damerau
+/// 1964, doi:10.1145/363958.363994; no place is touched twice).
+fn edits(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut table = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            table[i][j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let changed = table[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+                let exchanged = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+                let least = changed.min(table[i - 1][j] + 1).min(table[i][j - 1] + 1);
+                if exchanged { least.min(table[i - 2][j - 2] + 1) } else { least }
+            };
+        }
+    }
+    table[a.len()][b.len()]
+}
+
 /// A JSON document with the same meaning, in which hidden characters stand as `\uXXXX`: they occur in strings alone.
 pub fn escaped_json(text: &str) -> Cow<'_, str> {
     replaced(
@@ -66,6 +96,18 @@ mod tests {
         for text in ["", "teapot", "Köln – 東京 ±1e-5 │ 🫖", "a \"quoted\" <name>"] {
             assert_eq!((escaped(text), escaped_lines(text)), (text.into(), text.into()));
         }
+    }
+
+    #[test]
+    fn a_misspelt_name_is_guessed_and_another_word_is_not() {
+        let names = ["teapot", "sphere", "spoon", "plate", "teacup"];
+        for (text, name) in [("teapto", "teapot"), ("tepot", "teapot"), ("Sphere", "sphere"), ("plats", "plate")] {
+            assert_eq!(nearest(text, &names), Some(name), "{text}");
+        }
+        for text in ["wing", "", "qqqqqq", &"teapot".repeat(20)] {
+            assert_eq!(nearest(text, &names), None, "{text}");
+        }
+        assert_eq!((edits("abcd", "acbd"), edits("", "abc"), edits("kitten", "sitting")), (1, 3, 3));
     }
 
     #[test]

@@ -91,8 +91,6 @@ fn bad_views_are_refused_with_the_value() {
         refused(&["render", option, value], &[option, value]);
     }
     refused(&["render", "--eye", "0", "0", "--size", "8x8"], &["--eye", "--size"]);
-    refused(&["kanai", "--cells", "0"], &["--cells", "0"]);
-    refused(&["mutants", "--jobs", "0"], &["--jobs", "0"]);
     refused(&["pixel", "teapot", "600,1"], &["600"]);
     refused(&["no-such-command"], &["no-such-command"]);
 }
@@ -109,12 +107,8 @@ fn negative_numbers_may_have_exponents_in_every_command() {
     let camera = &scene["meta"]["camera"];
     assert_eq!((&camera["eye"], &camera["target"]), (&json!([-8e-05, -0.5, 2.0]), &json!([-1e-3, 0.0, -2e-4])));
     assert_eq!(camera["lens_shift"], json!([-1e-05, 0.0]));
-    let commands: [&[&str]; 4] = [
-        &["render", model, "--with", "raycast"],
-        &["compare", model, "--format", "json"],
-        &["pixel", model, "4,4"],
-        &["kanai", model, "--cells", "2", "--out", concat!(env!("CARGO_TARGET_TMPDIR"), "/negative")],
-    ];
+    let commands: [&[&str]; 3] =
+        [&["render", model, "--with", "raycast"], &["compare", model, "--format", "json"], &["pixel", model, "4,4"]];
     for command in commands {
         let output = isophote(&[command, &view[..], &["--size", "8x8"]].concat());
         assert!(output.status.success(), "{command:?}: {}", text(&output.stderr));

@@ -9,6 +9,9 @@ use compare::{PairReport, Verdict};
 use gbuffer::Picture;
 use serde::Serialize;
 
+/// The version of both documents that a comparison writes; a key that changes its meaning raises it.
+pub(super) const SCHEMA_VERSION: u32 = 1;
+
 /// 0 where all pairs agree; 1 where some pixel differs, or too many have no verdict; 2 where no pair shows anything.
 ///
 /// A pair of which neither shows anything says nothing, and is passed over where others do.

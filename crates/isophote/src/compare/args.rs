@@ -15,7 +15,9 @@ use pipeline::Scheme;
 use std::path::PathBuf;
 use techniques::{DEFAULT_CHORD_PX, Technique};
 
-/// Render a model by the CPU rasterizer, the GPU and the ray caster, and compare the three; or judge saved G-buffers
+/// Render a model three ways and compare, or judge saved G-buffers
+///
+/// The three are the CPU rasterizer, the GPU and the ray caster.
 ///
 /// compare MODEL renders and compares. compare B.npz judges a saved G-buffer, of Isophote's or of a renderer of your
 /// own (docs/gbuffer.md), against rays cast now; compare A.npz B.npz judges both, and B against A. Saved files bring their
@@ -28,16 +30,24 @@ use techniques::{DEFAULT_CHORD_PX, Technique};
 /// Exit code 0: all pairs agree; 1: some pixel differs, or too many have no verdict; 2: something could not run (no adapter
 /// counts), or nobody shows anything.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  isophote compare part.step                    three renderers, one verdict
+  isophote compare teapot --view top --out out  pictures and report.json, too
+  isophote compare yours.npz                    judge a renderer of your own
+  isophote compare part.step --no-gpu           where there is no GPU to judge")]
 pub struct CompareArgs {
-    /// A model file, the name of a built-in model (see `isophote info --list`), or one or two saved
-    /// G-buffers (.npz)
+    /// A model file or built-in model, or one or two saved G-buffers (.npz)
+    ///
+    /// `isophote info --list` names the built-in models.
     #[arg(value_name = "MODEL|FILE.npz", num_args = 1..=2, default_value = "teapot")]
     pub(super) subjects: Vec<String>,
     /// What saved G-buffers show, where that is no built-in model
     #[arg(long = "model", value_name = "MODEL")]
     pub(super) of_model: Option<String>,
-    /// Refuse a model file of which anything is not drawn as it stands there: a face left out, a loop dropped, a wide gap
-    /// closed
+    /// Refuse a file that is not drawn as it stands
+    ///
+    /// A face left out, a loop dropped and a wide gap closed are such.
     #[arg(long)]
     pub(super) strict: bool,
     #[command(flatten)]
@@ -47,42 +57,50 @@ pub struct CompareArgs {
     #[command(flatten)]
     pub(super) approximate: ApproximateArgs,
     /// What the pictures show
-    #[arg(long, value_enum, default_value = "isophotes")]
+    #[arg(long, help_heading = "Output", value_enum, default_value = "isophotes")]
     pub(super) shade: Shade,
-    /// Smooth the edges of faces, trims and colours; saved G-buffers have their sample in their camera's lens shift
-    #[arg(long, value_enum, default_value = "none")]
+    /// Smooth the edges of faces, trims and colours
+    ///
+    /// Saved G-buffers have their sample in their camera's lens shift.
+    #[arg(long, hide_short_help = true, value_enum, default_value = "none")]
     pub(super) antialias: Antialias,
+    /// Leave the GPU out: rasterizer and rays alone decide the exit code
+    #[arg(long, help_heading = "Drawing", conflicts_with = "adapter")]
+    pub(super) no_gpu: bool,
     /// Write pictures, difference maps and report.json to this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, help_heading = "Output", value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// For people or for machines
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, help_heading = "Output", value_enum, default_value_t)]
     pub(super) format: Format,
 }
 
 /// How a model is drawn.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Drawing")]
 pub struct DrawingArgs {
     /// Where the surface is evaluated
     #[arg(long, value_parser = technique::parser(), default_value = technique::default())]
     technique: &'static dyn Technique,
     /// Programs of a few specialised degrees, or one for any
-    #[arg(long, value_enum, default_value = "specialised")]
+    #[arg(long, hide_short_help = true, value_enum, default_value = "specialised")]
     scheme: SchemeName,
     #[command(flatten)]
     pub(super) trim: TrimArgs,
-    /// Chord error of the tessellation, pixels; of a saved G-buffer, what its flat triangles are allowed
-    #[arg(long, visible_alias = "error", value_name = "PX", default_value_t = DEFAULT_CHORD_PX, value_parser = number::error_px, allow_hyphen_values = true)]
+    /// Chord error of the triangles, pixels
+    ///
+    /// Of a saved G-buffer, what its flat triangles are allowed.
+    #[arg(long, hide_short_help = true, visible_alias = "error", value_name = "PX", default_value_t = DEFAULT_CHORD_PX, value_parser = number::error_px, allow_hyphen_values = true)]
     chord: f64,
     /// Where normals are evaluated: at each pixel, or at the corners of triangles and interpolated
-    #[arg(long, value_enum, default_value = "fragment")]
+    #[arg(long, hide_short_help = true, value_enum, default_value = "fragment")]
     normals: Normals,
     #[command(flatten)]
     limits: LimitArgs,
     /// The share of covered pixels that may have no verdict for want of a bound, as poles have none; from 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE, value_parser = number::share, allow_hyphen_values = true)]
+    #[arg(long, hide_short_help = true, value_name = "SHARE", default_value_t = UNBOUNDED_SHARE, value_parser = number::share, allow_hyphen_values = true)]
     unbounded: f64,
-    /// Part of the GPU adapter's name [default: a hardware one, else a software one]
+    /// Part of the GPU adapter's name (`isophote adapters`)
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }

@@ -1,6 +1,6 @@
 //! `compare MODEL`: renders every sample of a picture by all three, and judges it.
 
-use super::answer::{answer, exit_code};
+use super::answer::{SCHEMA_VERSION, answer, exit_code};
 use super::args::CompareArgs;
 use super::pictures::Pictures;
 use super::report::Report;
@@ -49,6 +49,7 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
     let shaded = gpu.is_ok().then(|| ShadedReport::of_samples(found.iter().filter_map(|sample| sample.shaded.clone())));
     let meta = gpu.as_ref().ok().and_then(|metas| metas.first());
     let report = Report {
+        schema_version: SCHEMA_VERSION,
         model: model.name(),
         notes: notes.iter().map(Note::to_string).collect(),
         technique: stage.plan.technique.name(),
@@ -62,7 +63,7 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
         samples: &samples,
         pairs: &pairs,
         shaded: shaded.flatten(),
-        gpu_not_run: gpu.as_ref().err().cloned(),
+        gpu_not_run: gpu.as_ref().err().filter(|_| !args.no_gpu).cloned(),
         undecided: found.iter().map(|sample| sample.undecided).sum(),
     };
     let rest = found.split_off(1);
@@ -71,9 +72,9 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
     answer(args, &report, &pictures, || table::print(&report))?;
     let differs = report.shaded.as_ref().is_some_and(|shaded| shaded.verdict == Verdict::Differ);
     Ok(ExitCode::from(match (&gpu, differs) {
-        (Err(_), _) => 2,
-        (Ok(_), true) => 1,
-        (Ok(_), false) => exit_code(&pairs),
+        (Err(_), _) if !args.no_gpu => 2,
+        (_, true) => 1,
+        (_, false) => exit_code(&pairs),
     }))
 }
 
@@ -82,7 +83,10 @@ fn judged(args: &CompareArgs, stage: &Stage) -> Result<Vec<Sample>> {
     let caster = Caster::new(stage.truth()).with_edges(stage.plan.edges);
     let shading = args.shade.shading();
     let pattern = args.antialias.pattern();
-    let device = gpu::Device::open(args.drawing.adapter.as_deref()).map_err(|error| error.to_string());
+    let device = match args.no_gpu {
+        true => Err("--no-gpu leaves it out".to_owned()),
+        false => gpu::Device::open(args.drawing.adapter.as_deref()).map_err(|error| error.to_string()),
+    };
     let mut renderer = device
         .as_ref()
         .map_err(String::clone)

@@ -10,6 +10,8 @@ use serde::Serialize;
 /// What the comparison found.
 #[derive(Serialize)]
 pub(super) struct Report<'a> {
+    /// Of `testdata/schema/compare-1.json`.
+    pub schema_version: u32,
     pub model: &'a str,
     /// What of its file is not drawn as it stands there.
     pub notes: Vec<String>,

@@ -4,27 +4,19 @@
 //! itself can make its judge stricter, never milder: a technique and trims that allow more are the caller's to allow, the
 //! reference is always cast here and now, and pixels marked undecided are judged like any.
 
-use super::answer::{answer, exit_code};
-use super::args::CompareArgs;
-use super::pictures::Pictures;
-use super::table;
-use crate::antialias::Antialias;
-use crate::say;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
-use crate::text::escaped;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
-use compare::{Claims, Deviation, Judge, PairReport};
+use compare::{Claims, Deviation, Diagnosis, Judge, PairReport, diagnose};
 use gbuffer::{GBuffer, Meta, Trims};
 use pipeline::PackedScene;
 use pipeline::mask::{MaskOptions, MaskPlan, MaskQuality, Trimming};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// What the ray caster calls itself in a G-buffer. A file of that name is judged like any, under [`SAVED_RAYCAST`].
 const RAYCAST: &str = "raycast";
@@ -63,6 +55,8 @@ pub struct Saved {
     pub viewport: Viewport,
     /// The files, in the order given.
     pub files: Vec<SavedFile>,
+    /// The renderer, where one drew both files: then the second is checked for regressions against the first.
+    pub regression_of: Option<String>,
 }
 
 /// A comparison of saved files.
@@ -71,6 +65,8 @@ pub struct SavedComparison {
     pub cast: GBuffer,
     /// Each file against the reference, then the second against the first.
     pub pairs: Vec<PairReport>,
+    /// Of each pair, the one fault that explains it, where one does.
+    pub diagnoses: Vec<Option<Diagnosis>>,
 }
 
 impl SavedFile {
@@ -161,8 +157,8 @@ impl SavedFile {
 
     /// What this renderer is allowed against the surface itself; `twins` is the stage of our own rasterizers. By the plan's
     /// technique `exact` nobody is allowed a chord, whatever the file says.
-    fn deviation(&self, saved: &Saved, plan: Plan, twins: Option<&Stage>) -> Result<Deviation> {
-        let Saved { model, camera, viewport, .. } = saved;
+    fn deviation(&self, model: &Model, camera: &Camera, plan: Plan, twins: Option<&Stage>) -> Result<Deviation> {
+        let viewport = self.buffer.viewport();
         let meta = self.buffer.meta();
         let known = techniques::named(&meta.technique).map(|technique| technique.claims());
         let Some(claims) = known.or_else(|| (meta.technique == RAYS).then_some(Claims::OnRay)) else {
@@ -177,7 +173,7 @@ impl SavedFile {
             (Claims::Chord, _, Some(stage)) => {
                 Deviation::of_proxy(&stage.interpolation, stage.prepared.chord(), plan.chord_px)
             }
-            (Claims::Chord, _, None) => Deviation::of_claimed_chord(model, camera, *viewport, plan.chord_px),
+            (Claims::Chord, _, None) => Deviation::of_claimed_chord(model, camera, viewport, plan.chord_px),
         };
         Ok(match meta.trims {
             Trims::Exact => deviation,
@@ -238,10 +234,12 @@ impl Saved {
             }
             file.check_hits(&model)?;
         }
+        let renderers: Vec<String> = files.iter().map(|file| file.buffer.meta().renderer.clone()).collect();
+        let regression_of = renderers.iter().skip(1).find(|name| **name == renderers[0]).cloned();
         if let [a, b] = &mut files[..] {
             tell_apart(a, b)?;
         }
-        Ok(Self { model, camera, viewport, files })
+        Ok(Self { model, camera, viewport, files, regression_of })
     }
 
     /// Judges each file against rays that are cast now, and the second against the first.
@@ -260,23 +258,32 @@ impl Saved {
         let twins: Vec<Plan> =
             self.files.iter().zip(&plans).filter(|(file, _)| file.is_twin(plan)).map(|(_, plan)| *plan).collect();
         let stage = twins.first().map(|&plan| Stage::new(&self.model, self.camera, self.viewport, plan)).transpose()?;
-        let deviations: Vec<Deviation> =
-            self.files.iter().map(|file| file.deviation(self, plan, stage.as_ref())).collect::<Result<_>>()?;
+        let deviations: Vec<Deviation> = self
+            .files
+            .iter()
+            .map(|file| file.deviation(&self.model, &self.camera, plan, stage.as_ref()))
+            .collect::<Result<_>>()?;
         let caster = Caster::new(&self.model);
-        let bar = terminal::progress(RAYCAST, self.viewport.height());
-        let cast = caster.render(&self.camera, self.viewport, &|rows| bar.inc(rows as u64));
+        let cast = self.cast(&caster, &self.camera);
         let rays = Rays { caster: &caster, camera: self.camera, viewport: self.viewport };
         let scenes: Vec<PackedScene> = plans.iter().map(|plan| self.as_read(plan)).collect::<Result<_>>()?;
-        let pair = |a: &GBuffer, b: &GBuffer, deviation: &Deviation, exact: bool, scene| -> Result<PairReport> {
-            let judge = Judge::new(&self.model, &self.camera, self.viewport, scene);
-            let judge = judge.with_unbounded_share(plan.unbounded_share);
-            let what = format!("{} | {}", a.meta().renderer, b.meta().renderer);
-            let bar = terminal::progress(&what, self.viewport.height());
-            Ok(judge.pair(a, &rays, b, deviation, exact, &|rows| bar.inc(rows as u64))?)
+        let share = plan.unbounded_share;
+        let pair = |a: &GBuffer, b: &GBuffer, deviation: &Deviation, exact: bool, scene| {
+            judged(&self.model, scene, &rays, (a, b), deviation, exact, share)
         };
-        let mut pairs = vec![];
+        let (mut pairs, mut diagnoses) = (vec![], vec![]);
         for ((file, deviation), scene) in self.files.iter().zip(&deviations).zip(&scenes) {
-            pairs.push(pair(&cast, &file.buffer, deviation, true, scene)?);
+            let report = pair(&cast, &file.buffer, deviation, true, scene)?;
+            let again = |buffer: &GBuffer, camera: &Camera| {
+                if *camera == self.camera {
+                    return pair(&cast, buffer, deviation, true, scene);
+                }
+                let rays = Rays { caster: &caster, camera: *camera, viewport: self.viewport };
+                let deviation = file.deviation(&self.model, camera, plan, None)?;
+                judged(&self.model, scene, &rays, (&self.cast(&caster, camera), buffer), &deviation, true, share)
+            };
+            diagnoses.push(diagnose(&self.model, &self.camera, &file.buffer, &report, again)?);
+            pairs.push(report);
         }
         if let ([a, b], [of_a, of_b]) = (&self.files[..], &deviations[..]) {
             pairs.push(match &stage {
@@ -293,11 +300,16 @@ impl Saved {
                 }
             });
         }
-        Ok(SavedComparison { cast, pairs })
+        diagnoses.resize(pairs.len(), None);
+        Ok(SavedComparison { cast, pairs, diagnoses })
     }
-}
 
-impl Saved {
+    /// What rays see.
+    fn cast(&self, caster: &Caster, camera: &Camera) -> GBuffer {
+        let bar = terminal::progress(RAYCAST, self.viewport.height());
+        caster.render(camera, self.viewport, &|rows| bar.inc(rows as u64))
+    }
+
     /// The model as a candidate's program reads it, its edges in the bands of the masks that it says it has. These are not
     /// drawn, so that a file's claim takes no memory.
     fn as_read(&self, plan: &Plan) -> Result<PackedScene> {
@@ -313,7 +325,23 @@ impl Saved {
     }
 }
 
-/// Gives two buffers of one renderer names by what they differ in: its adapter, technique, driver or version.
+/// Judges the second of two pictures, against rays or against the first.
+fn judged(
+    model: &Model,
+    scene: &PackedScene,
+    rays: &Rays,
+    (a, b): (&GBuffer, &GBuffer),
+    deviation: &Deviation,
+    exact: bool,
+    unbounded_share: f64,
+) -> Result<PairReport> {
+    let judge = Judge::new(model, &rays.camera, rays.viewport, scene).with_unbounded_share(unbounded_share);
+    let what = format!("{} | {}", a.meta().renderer, b.meta().renderer);
+    let bar = terminal::progress(&what, rays.viewport.height());
+    Ok(judge.pair(a, rays, b, deviation, exact, &|rows| bar.inc(rows as u64))?)
+}
+
+/// Gives two buffers of one renderer names by what they differ in: its adapter, technique, driver or version, else their files.
 fn tell_apart(a: &mut SavedFile, b: &mut SavedFile) -> Result<()> {
     let [own, other] = [a.buffer.meta().clone(), b.buffer.meta().clone()];
     if own.renderer != other.renderer {
@@ -323,95 +351,16 @@ fn tell_apart(a: &mut SavedFile, b: &mut SavedFile) -> Result<()> {
         let text = |fact: &Option<String>| fact.clone().unwrap_or_default();
         [text(&meta.adapter), meta.technique.clone(), text(&meta.driver), meta.version.clone()]
     };
-    let Some((mine, others)) = facts(&own).into_iter().zip(facts(&other)).find(|(x, y)| x != y) else {
-        bail!("{} and {}: both come from the renderer {:?}, which is no check", a.place(), b.place(), own.renderer);
+    let (mine, others) = match facts(&own).into_iter().zip(facts(&other)).find(|(x, y)| x != y) {
+        Some(facts) => facts,
+        None if a.path == b.path => {
+            bail!("{} and {}: both come from the renderer {:?}, which is no check", a.place(), b.place(), own.renderer)
+        }
+        None => (a.place().to_string(), b.place().to_string()),
     };
     for (file, meta, fact) in [(a, own, mine), (b, other, others)] {
         let renderer = format!("{} ({})", meta.renderer, fact.escape_debug());
         file.buffer = file.buffer.clone().with_meta(Meta { renderer, ..meta });
     }
     Ok(())
-}
-
-#[derive(Serialize)]
-struct Report<'a> {
-    model: &'a str,
-    model_hash: String,
-    size: [usize; 2],
-    files: Vec<FileReport<'a>>,
-    /// Who looks, as the files say.
-    camera: &'a Camera,
-    /// What flat triangles were allowed, pixels.
-    chord_px: f64,
-    pairs: &'a [PairReport],
-    /// Pixels that the ray caster could not decide.
-    undecided: usize,
-}
-
-#[derive(Serialize)]
-struct FileReport<'a> {
-    file: String,
-    renderer: &'a str,
-    technique: &'a str,
-    adapter: Option<&'a str>,
-    driver: Option<&'a str>,
-    version: &'a str,
-    covered: usize,
-}
-
-/// Runs the command on saved files.
-pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
-    if let Some(option) = args.view.given().or(args.drawing.adapter.as_ref().map(|_| "--adapter")) {
-        bail!("{option} does not go with saved G-buffers, which bring their own camera, size and adapter");
-    }
-    if args.antialias != Antialias::None {
-        bail!("--antialias does not go with saved G-buffers: each is one sample, by its camera's lens shift");
-    }
-    let paths: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
-    let saved = Saved::open(&paths, args.of_model.as_deref())?;
-    let plan = args.drawing.plan();
-    let SavedComparison { cast, pairs } = saved.compare(plan, args.drawing.trim.masks_px())?;
-    let buffers: Vec<&GBuffer> = std::iter::once(&cast).chain(saved.files.iter().map(|file| &file.buffer)).collect();
-    let report = Report {
-        model: saved.model.name(),
-        model_hash: saved.model.hash(),
-        size: [saved.viewport.width(), saved.viewport.height()],
-        files: saved.files.iter().map(FileReport::new).collect(),
-        camera: &saved.camera,
-        chord_px: plan.chord_px,
-        pairs: &pairs,
-        undecided: cast.undecided(),
-    };
-    let pictures = Pictures::new(&saved.model, &saved.camera, &buffers, &args.shade.shading())?;
-    answer(args, &report, &pictures, || print(&report))?;
-    Ok(ExitCode::from(exit_code(&pairs)))
-}
-
-impl<'a> FileReport<'a> {
-    fn new(file: &'a SavedFile) -> Self {
-        let Meta { renderer, technique, adapter, driver, version, .. } = file.buffer.meta();
-        Self {
-            file: file.path.display().to_string(),
-            renderer,
-            technique,
-            adapter: adapter.as_deref(),
-            driver: driver.as_deref(),
-            version,
-            covered: file.buffer.covered(),
-        }
-    }
-}
-
-fn print(report: &Report) -> Result<()> {
-    say!("{}, {}x{}", escaped(report.model), report.size[0], report.size[1])?;
-    for FileReport { file, renderer, technique, adapter, version, covered, .. } in &report.files {
-        let adapter = adapter.map_or(String::new(), |name| format!(" on {name:?}"));
-        let [file, renderer, technique] = [file.as_str(), renderer, technique].map(escaped);
-        say!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered")?;
-    }
-    table::pairs(report.pairs)?;
-    if report.undecided > 0 {
-        say!("the ray caster left {} pixels undecided", report.undecided)?;
-    }
-    say!("{}", table::verdict(report.pairs, None, 0))
 }

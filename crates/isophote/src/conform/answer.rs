@@ -6,7 +6,7 @@ use super::shard::Shard;
 use super::{html, junit, table};
 use crate::format::Format;
 use crate::{output, say, terminal};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -24,8 +24,7 @@ pub struct OutputArgs {
 
 /// Makes a folder, if need be, to which nobody else writes until the lock is dropped, and that holds no other part of a suite.
 pub(super) fn claim(folder: &Path, suite: Suite, shard: Shard) -> Result<files::Lock> {
-    let place = || folder.display().to_string();
-    let lock = files::lock(folder).with_context(place)?;
+    let lock = output::claim(folder)?;
     let report = folder.join("report.json");
     // Anything but a part of a suite is what an earlier run left, and is replaced by this one's.
     if let Ok(there) = Report::read(&report)

@@ -1,0 +1,34 @@
+//! What `--format json` prints keeps to the schemas that are written of it.
+
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::Command;
+
+const FOREIGN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/foreign/teapot.npz");
+
+fn schema(name: &str) -> Value {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/schema").join(name);
+    serde_json::from_slice(&std::fs::read(path).expect("a schema")).expect("JSON")
+}
+
+fn printed(arguments: &[&str]) -> Value {
+    let output = Command::new(env!("CARGO_BIN_EXE_isophote")).args(arguments).args(["--format", "json"]).output();
+    let output = output.expect("isophote starts");
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)))
+}
+
+#[test]
+fn each_document_keeps_to_its_schema_and_a_broken_one_does_not() {
+    let documents = [
+        ("compare-1.json", printed(&["compare", "teapot", "--size", "32x32", "--no-gpu"])),
+        ("compare-1.json", printed(&["compare", "islands", "--size", "24x24", "--no-gpu", "--antialias", "4"])),
+        ("judge-1.json", printed(&["compare", FOREIGN])),
+    ];
+    for (name, mut document) in documents {
+        let schema = jsonschema::validator_for(&schema(name)).expect("a schema");
+        let faults: Vec<String> = schema.iter_errors(&document).map(|fault| fault.to_string()).collect();
+        assert!(faults.is_empty(), "{name}: {faults:?}");
+        document["pairs"][0]["verdict"] = json!("perhaps");
+        assert!(!schema.is_valid(&document), "{name}");
+    }
+}
