@@ -39,12 +39,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
     args_conflicts_with_subcommands = true,
     after_help = "\
 Examples:
-  isophote conform                               17 s on two cores
-  isophote conform --suite standard --shard 1/3  a third, on one of three machines
-  isophote conform merge conform-* --out conform join them
-  isophote conform --models parts                your own files, each a scene
-  isophote conform export scenes                 for a renderer of your own,
-  isophote conform judge scenes                  and its verdict"
+  isophote conform                                17 s on two cores
+  isophote conform --suite standard --shard 1/3   a third, on one of three machines
+  isophote conform merge conform-* --out conform  join them
+  isophote conform --models parts                 your own files, each a scene
+  isophote conform export scenes                  for a renderer of your own,
+  isophote conform judge scenes                   and its verdict"
 )]
 pub struct ConformArgs {
     #[command(subcommand)]

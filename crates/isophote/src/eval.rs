@@ -25,6 +25,9 @@ pub struct EvalArgs {
     queries: Option<PathBuf>,
 }
 
+/// Of `testdata/schema/eval-1.json`.
+const SCHEMA_VERSION: u32 = 1;
+
 /// The largest file of queries that is read, bytes: 64 MiB, some two million points.
 const MAX_QUERY_BYTES: u64 = 1 << 26;
 
@@ -77,7 +80,7 @@ pub fn run(args: &EvalArgs) -> Result<()> {
         }
         answers.push(json!({ "surface": query.surface, "results": results }));
     }
-    terminal::json(&json!({ "queries": answers }))?;
+    terminal::json(&json!({ "schema_version": SCHEMA_VERSION, "queries": answers }))?;
     Ok(())
 }
 

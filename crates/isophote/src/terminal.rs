@@ -50,6 +50,13 @@ pub fn progress(what: &str, length: usize) -> ProgressBar {
     BARS.add(bar).with_message(what.to_owned())
 }
 
+/// Tells on standard error how far a long command is, where no bar can be drawn: a line a step, as a job's log keeps it.
+pub fn step(text: fmt::Arguments) {
+    if !io::stderr().is_terminal() {
+        note(text);
+    }
+}
+
 /// Whether standard output is a terminal: only then are colours and pictures printed.
 pub fn is_terminal() -> bool {
     io::stdout().is_terminal()

@@ -112,8 +112,10 @@ pub(super) fn pairs(pairs: &[PairReport]) -> Result<()> {
         let c = pair.coverage;
         say!("  {} pixels that both show, {} that one alone does, {} that neither does", c.full, c.partial, c.none)?;
         if pair.agree > 0 {
-            let [s, n, k] = [pair.position_share, pair.normal_share, pair.curvature_share].map(|x| 100.0 * x);
-            say!("  of the proven intervals S uses {s:.1} %, the normal {n:.1} %, curvatures {k:.1} %")?;
+            // A renderer that gives no curvatures uses nothing of their interval.
+            let share = |x: f64| if x > 0.0 { format!("{:.1} %", 100.0 * x) } else { "—".to_owned() };
+            let [s, n, k] = [pair.position_share, pair.normal_share, pair.curvature_share].map(share);
+            say!("  of the proven intervals S uses {s}, the normal {n}, curvatures {k}")?;
             say!("  in depth the farthest is off by {} model units", short(pair.max_along))?;
         }
         if let Some(edges) = &pair.edges {

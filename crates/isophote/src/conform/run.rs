@@ -184,8 +184,15 @@ impl Plans {
         keep: &mut dyn FnMut(&Report) -> Result<()>,
     ) -> Result<()> {
         let bar = terminal::progress("conform", report.expected().len());
-        let mine = self.scenes.iter().enumerate().filter(|(place, _)| self.shard.holds(*place));
-        for (_, scene) in mine {
+        let mine: Vec<&'static Scene> = self
+            .scenes
+            .iter()
+            .enumerate()
+            .filter(|(place, _)| self.shard.holds(*place))
+            .map(|(_, scene)| *scene)
+            .collect();
+        for (done, &scene) in mine.iter().enumerate() {
+            terminal::step(format_args!("conform: scene {} of {}, {}", done + 1, mine.len(), scene.name));
             let model = match scene.open() {
                 Ok(model) => model,
                 Err(error) => {

@@ -8,6 +8,9 @@ use nurbs::{Direction, Hull, KnotVector};
 use scene::{FaceId, escaped};
 use serde::Serialize;
 
+/// Of `testdata/schema/info-1.json`.
+const SCHEMA_VERSION: u32 = 1;
+
 /// Rows that the table prints before it only counts the rest; JSON always lists all.
 const TABLE_ROWS: usize = 64;
 
@@ -50,6 +53,7 @@ struct KnotInfo {
 /// One model.
 #[derive(Serialize)]
 pub struct ModelInfo {
+    schema_version: u32,
     model: String,
     #[serde(flatten)]
     overview: Overview,
@@ -66,6 +70,7 @@ pub struct ModelInfo {
 pub fn describe(document: &Document, approximation: Option<ApproximationInfo>) -> ModelInfo {
     let model = &document.model;
     ModelInfo {
+        schema_version: SCHEMA_VERSION,
         model: model.name().to_owned(),
         overview: Overview::of(document),
         notes: document.notes.iter().map(Note::to_string).collect(),
