@@ -65,3 +65,49 @@ impl GBuffer {
         Picture::new(viewport.width(), viewport.height(), rgb)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Meta;
+    use nurbs::{KnotVector, Normal, Surface};
+    use scene::{FaceId, Projection, Viewport};
+
+    /// On a sphere about the middle all normal lines pass through that. Along its equator the way from a lamp to the line is
+    /// plane geometry: a point's distance from a line through the origin.
+    #[test]
+    fn bands_of_a_sphere_lie_where_plane_geometry_has_them() {
+        let knots = || KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+        // A square of diagonal 2 about the origin: lamps hang at height 2, 4 · 2 / 8 = 1 apart.
+        let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0) / 2f64.sqrt();
+        let points = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, -1.0), corner(1.0, 1.0)];
+        let model = Model::of_surfaces("square", vec![Surface::new(knots(), knots(), points, None).unwrap()]).unwrap();
+        let size = model.hull().diagonal();
+        let spacing = WIDTH * size / 9.0;
+        let projection = Projection::Orthographic { height: 2.0 };
+        let camera = Camera::look_at(5.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, projection).unwrap();
+        let angles: Vec<f64> = (-80..=80).map(|degrees| (f64::from(degrees) + 0.25).to_radians()).collect();
+        let hits = angles.iter().map(|angle| {
+            let n = DVec3::new(angle.sin(), 0.0, angle.cos());
+            let normal = Normal::Regular(n);
+            let uv = DVec2::ZERO;
+            Some(Hit { face: FaceId(0), uv, local: None, t: 1.0, position: n, normal, curvature: None, edge: None })
+        });
+        let viewport = Viewport::new(angles.len(), 1).unwrap();
+        let meta = Meta::new("test", "by hand", &model, &camera);
+        let buffer = GBuffer::from_rows(viewport, meta, [hits.collect()]);
+        let lamps = Lamps { count: 9, toward: DVec3::Z, turn_rad: 0.0 };
+        let picture = buffer.highlighted(&lamps, &model, &camera).unwrap();
+        let mut dark = 0;
+        for (x, angle) in angles.iter().enumerate() {
+            let away = |k: i32| (f64::from(k) * spacing * angle.cos() - size * angle.sin()).abs();
+            let expected = (-4..=4).map(away).fold(f64::INFINITY, f64::min) <= RADIUS_SHARE * spacing;
+            let [r, _, b] = picture.pixel(x, 0);
+            assert_eq!(b > r, expected, "{} degrees", angle.to_degrees());
+            dark += usize::from(expected);
+        }
+        assert!((20..140).contains(&dark), "{dark}");
+        let nowhere = buffer.highlighted(&Lamps { toward: DVec3::ZERO, ..lamps }, &model, &camera);
+        assert!(matches!(nowhere, Err(GBufferError::Light { .. })));
+    }
+}
