@@ -82,6 +82,8 @@ pub struct StudyArgs {
 /// # Errors
 /// Where input is bad, the named adapter is not there, or the answer cannot be written.
 pub fn run(args: &StudyArgs) -> Result<()> {
+    // Before minutes of work.
+    let _lock = args.out.as_deref().map(output::claim).transpose()?;
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
