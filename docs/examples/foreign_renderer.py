@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """A renderer that is not Isophote's: draws a scene in NumPy and dumps the G-buffer that `compare` judges.
 
-    cargo xtask scene teapot --size 64x64 --out scene.json
+    isophote scene teapot --size 64x64 --out scene.json
     python3 docs/examples/foreign_renderer.py scene.json teapot.npz
-    cargo xtask compare teapot.npz
+    isophote compare teapot.npz
 
 It reads nothing but scene.json (`docs/gbuffer.md` describes it, and the G-buffer) and needs nothing but NumPy. It works
 as a GPU does, slowly: each face is cut into flat triangles, these are projected and tested against the pixels' centres,

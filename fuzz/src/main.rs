@@ -9,6 +9,9 @@
 mod mutation;
 
 use anyhow::{Context, Result, bail};
+use isophote::conform::check::check;
+use isophote::conform::corpus::{Corpus, Suite};
+use isophote::conform::report::Report;
 use mutation::Random;
 use std::collections::BTreeSet;
 use std::fs;
@@ -18,9 +21,6 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use xtask::conform::check::check;
-use xtask::conform::corpus::{Corpus, Suite};
-use xtask::conform::report::Report;
 
 /// The longest that one input may take, on a loaded machine, too.
 const PATIENCE: Duration = Duration::from_secs(20);

@@ -1,12 +1,12 @@
 //! A model drawn by bicubic patches: judged by its own surfaces, with the proven distance added and nothing else.
 
 use compare::{PairReport, Verdict};
+use isophote::approximate::{Approximated, approximated};
+use isophote::stage::{Plan, Stage};
 use nurbs::{Direction, KnotVector, Surface};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 use techniques::Technique;
-use xtask::approximate::{Approximated, approximated};
-use xtask::stage::{Plan, Stage};
 
 fn viewport() -> Viewport {
     Viewport::new(72, 56).expect("a legal size")

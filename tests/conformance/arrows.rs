@@ -23,8 +23,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("techniques", &["lanes", "nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
 ];
 
-/// On top of all: these may use any crate.
-const ON_TOP: &[&str] = &["xtask", "conformance", "fuzz"];
+/// On top of all: these may use any crate. `isophote` is what users run, and the others drive it.
+const ON_TOP: &[&str] = &["isophote", "xtask", "conformance", "fuzz"];
 
 /// Crates and the workspace crates that they use, not counting what only their own tests use.
 fn drawn(metadata: &Value) -> BTreeMap<String, BTreeSet<String>> {

@@ -1,12 +1,12 @@
 //! Technique `exact` beside folds, where a ray meets one piece up to three times.
 
 use glam::{DVec2, DVec3};
+use isophote::stage::{Plan, Stage};
 use pipeline::Sight;
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
 use techniques::exact::newton::{Outcome, solve};
 use techniques::exact::{Hulls, PieceRecord};
-use xtask::stage::{Plan, Stage};
 
 /// A model, a view, and a pixel of 512 × 512 at which a search that starts at both ends of the hull ends twice at roots
 /// that a third one hides.
@@ -62,7 +62,7 @@ fn pieces<'s>(stage: &'s Stage) -> &'s [PieceRecord] {
 /// A case of `testdata/cases`.
 fn case(name: &str) -> Model {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../testdata/cases");
-    xtask::view::ModelArgs::named(&format!("{path}/{name}.json")).open().expect("a model")
+    isophote::view::ModelArgs::named(&format!("{path}/{name}.json")).open().expect("a model")
 }
 
 /// How many pixels that technique `exact` shows differ from rays.

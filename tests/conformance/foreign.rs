@@ -3,12 +3,12 @@
 use compare::{Cause, PairReport, Verdict};
 use gbuffer::{GBuffer, Hit, Meta, PrincipalCurvatures};
 use glam::{DVec2, DVec3, Vec2Swizzles};
+use isophote::compare::Saved;
+use isophote::stage::Plan;
 use nurbs::{Direction, Normal};
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Ray, Viewport};
 use std::path::{Path, PathBuf};
-use xtask::compare::Saved;
-use xtask::stage::Plan;
 
 /// A file that NumPy wrote.
 fn frozen(name: &str) -> PathBuf {
@@ -286,7 +286,7 @@ fn nothing_that_a_file_says_of_itself_allows_it_more() {
 fn our_own_saved_files_are_compared_as_the_twins_that_they_are() {
     let model = models::builtin("torus").expect("built in");
     let viewport = Viewport::new(32, 24).expect("a legal size");
-    let stage = xtask::stage::Stage::new(&model, Camera::framing(&model, viewport), viewport, Plan::default());
+    let stage = isophote::stage::Stage::new(&model, Camera::framing(&model, viewport), viewport, Plan::default());
     let raster = stage.expect("a stage").raster();
     let other = labelled(raster.clone(), "gpu", "fragment");
     let pairs = judged(&[written("raster", &raster), written("gpu", &other)]);
@@ -407,7 +407,7 @@ fn a_scene_written_for_others_is_the_scene() {
         let model = models::builtin(name).expect("built in");
         let viewport = Viewport::new(40, 30).expect("a legal size");
         let camera = Camera::framing(&model, viewport);
-        let text = xtask::scene::document(&model, &camera, viewport).expect("a document").to_string();
+        let text = isophote::scene::document(&model, &camera, viewport).expect("a document").to_string();
         assert_eq!(formats::json::parse(&text, name).expect("a model").hash(), model.hash());
         let value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
         assert_eq!(value["meta"]["model_hash"], model.hash());

@@ -1,13 +1,13 @@
 //! Techniques `grid` and `zones`: faults in their vertex stage and kernels are found.
 
 use compare::{Cause, PairReport, Verdict};
+use isophote::stage::{Plan, Stage};
 use pipeline::wgsl::{self, Variant};
 use raycast::Caster;
 use scene::{Camera, Viewport};
 use techniques::Technique;
 use techniques::grid::Grid;
 use techniques::zones::ByZones;
-use xtask::stage::{Plan, Stage};
 
 /// A fault: whose, what is replaced by what, and a cause that the comparison may name.
 struct Fault {

@@ -3,12 +3,12 @@
 use compare::{Cause, Claims, PairReport, UNBOUNDED_SHARE, Verdict};
 use gbuffer::{GBuffer, Hit};
 use glam::DVec3;
+use isophote::stage::{Plan, Stage};
 use nurbs::{Direction, Surface};
 use pipeline::{PackedScene, Parameters};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 use std::sync::Arc;
-use xtask::stage::{Plan, Stage};
 
 const SIDE: usize = 32;
 /// A pixel in the middle of the teapot's body.

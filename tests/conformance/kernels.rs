@@ -3,10 +3,10 @@
 use crate::three_way::words;
 use compare::{PairReport, Verdict};
 use glam::DVec3;
+use isophote::stage::{Path, Plan, Stage};
 use pipeline::wgsl::{self, Variant};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
-use xtask::stage::{Path, Plan, Stage};
 
 /// What is drawn: a trimmed model in a frame, or a pot from inside, whose triangles are large and reach behind the eye.
 #[derive(Debug, Clone, Copy)]

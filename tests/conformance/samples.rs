@@ -4,11 +4,11 @@ use crate::three_way::words;
 use compare::{CompareError, PairReport, Verdict};
 use gbuffer::{GBuffer, Meta, Picture, ShadeKind, Shading};
 use glam::{DVec2, DVec3, dvec2};
+use isophote::stage::{Plan, Rendered, Stage};
 use nurbs::{KnotVector, Surface};
 use raycast::Caster;
 use scene::{Camera, Face, Loop, Model, Projection, SamplePattern, Trim, Viewport};
 use std::f64::consts::PI;
-use xtask::stage::{Plan, Rendered, Stage};
 
 const ADAPTER: &str = "a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`";
 

@@ -3,10 +3,10 @@
 use compare::{PairReport, Verdict};
 use gbuffer::{ShadeKind, Shading};
 use glam::DVec3;
+use isophote::stage::{Plan, Stage};
 use pipeline::Scheme;
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
-use xtask::stage::{Plan, Stage};
 
 /// Side of the pictures: software Vulkan is slow at small triangles with heavy fragments.
 const SIDE: usize = 72;

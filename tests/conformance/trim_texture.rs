@@ -5,6 +5,8 @@ use compare::{Cause, PairReport, Verdict};
 use gbuffer::{GBuffer, Meta, Trims};
 use glam::{DVec2, dvec2};
 use gpu::{Device, MaskBlend, MaskPainter, Overrides};
+use isophote::compare::Saved;
+use isophote::stage::{OnGpu, Plan, Rendered, Stage};
 use pipeline::mask::{MaskFill, MaskOptions, MaskPlan, MaskQuality, Masks, Tile, Trimming};
 use pipeline::{PackedScene, Scheme, trim};
 use raycast::Caster;
@@ -12,8 +14,6 @@ use scene::{Camera, FaceId, Model, Region, Viewport};
 use std::path::PathBuf;
 use std::sync::Arc;
 use techniques::Technique;
-use xtask::compare::Saved;
-use xtask::stage::{OnGpu, Plan, Rendered, Stage};
 
 /// Side of the pictures, pixels.
 const SIDE: usize = 64;

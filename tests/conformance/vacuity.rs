@@ -1,11 +1,11 @@
 //! Whether "agree" means anything: pictures that a person would see to be wrong are judged, and must differ.
 
 use compare::Verdict;
+use isophote::conform::corpus::Suite;
+use isophote::conform::wrong::Vacuity;
+use isophote::stage::{Plan, Stage};
 use raycast::Caster;
 use scene::Viewport;
-use xtask::conform::corpus::Suite;
-use xtask::conform::wrong::Vacuity;
-use xtask::stage::{Plan, Stage};
 
 /// The scenes of a suite from the first of its viewpoints: what of them differs without a fault, agrees with one, or is
 /// made of nothing.

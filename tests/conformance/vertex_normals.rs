@@ -3,6 +3,7 @@
 use compare::{Cause, PairReport, Verdict};
 use gbuffer::{GBuffer, Hit};
 use glam::DVec3;
+use isophote::stage::{Plan, Stage};
 use nurbs::Normal;
 use pipeline::wgsl::{self, Variant};
 use raycast::Caster;
@@ -12,7 +13,6 @@ use techniques::exact::Exact;
 use techniques::fragment::Fragment;
 use techniques::grid::Grid;
 use techniques::zones::ByZones;
-use xtask::stage::{Plan, Stage};
 
 fn stage<'m>(model: &'m Model, technique: &'static dyn Technique) -> Result<Stage<'m>, String> {
     let viewport = Viewport::new(160, 120).expect("a legal size");

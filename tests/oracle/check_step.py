@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """check_step.py FILE.step [MODEL.json]
 
-What OpenCASCADE makes of a STEP file that `cargo xtask convert` wrote: faces, whether BRepCheck_Analyzer calls the shape valid,
+What OpenCASCADE makes of a STEP file that `isophote convert` wrote: faces, whether BRepCheck_Analyzer calls the shape valid,
 area, open edges; beside a model in the project's JSON, whether the control points, knots and weights of its surfaces are
 those, bit for bit (not where a file is in another unit than mm, nor on closed surfaces, which OpenCASCADE makes periodic).
 The figures of docs/export.md are its.

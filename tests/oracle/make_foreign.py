@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Writes testdata/foreign/ from what docs/examples/foreign_renderer.py drew: the same pixels as NumPy may store them.
 
-    cargo xtask scene teapot --size 64x64 --out scene.json
+    isophote scene teapot --size 64x64 --out scene.json
     python3 docs/examples/foreign_renderer.py scene.json testdata/foreign/teapot.npz
-    cargo xtask scene teapot --size 24x24 --out small.json
+    isophote scene teapot --size 24x24 --out small.json
     python3 docs/examples/foreign_renderer.py small.json small.npz
     python3 tests/oracle/make_foreign.py small.npz testdata/foreign
 """

@@ -9,16 +9,16 @@ mod sample;
 mod tessellation;
 mod trimming;
 
-use crate::compare::DrawingArgs;
-use crate::format::Format;
-use crate::stage::{Plan, Stage};
-use crate::{say, terminal};
 use agree::disagreement;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use compare::Claims;
 use frames::{Frames, turning};
+use isophote::compare::DrawingArgs;
+use isophote::format::Format;
+use isophote::stage::{Plan, Stage};
+use isophote::{say, terminal};
 use parts::{Together, cast, evaluate_f32, evaluate_f64, points, rays};
 use raycast::Caster;
 use sample::{Figure, Sample};
@@ -163,7 +163,7 @@ fn time(args: &BenchArgs) -> Result<()> {
         })
         .collect();
     let mut trimming = Trimming::new(args.side)?;
-    let bar = crate::terminal::progress("rounds", usize::from(args.rounds));
+    let bar = isophote::terminal::progress("rounds", usize::from(args.rounds));
     for round in 0..args.rounds {
         for (sample, together) in evaluation.iter_mut().zip([Together::One, Together::List, Together::Grid]) {
             sample.values.push(evaluate_f64(&rational, &points, together));

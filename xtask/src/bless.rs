@@ -1,11 +1,11 @@
 //! `bless`: the goldens of the CPU rasterizer.
 
-use crate::say;
-use crate::stage::{Plan, Stage};
 use anyhow::{Context, Result};
 use clap::Args;
 use gbuffer::GBuffer;
 use glam::DVec3;
+use isophote::say;
+use isophote::stage::{Plan, Stage};
 use pipeline::Scheme;
 use scene::{Camera, Model, Projection, Viewport};
 use std::path::PathBuf;

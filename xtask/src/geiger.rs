@@ -2,17 +2,17 @@
 
 mod zoom;
 
-use crate::compare::Shade;
-use crate::format::Format;
-use crate::stage::{Plan, Stage};
-use crate::view::ModelArgs;
-use crate::{output, say, terminal};
 use anyhow::Result;
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use gbuffer::Picture;
 use glam::{DVec3, dvec2};
 use gpu::{Device, MaskBlend, MaskPainter};
+use isophote::compare::Shade;
+use isophote::format::Format;
+use isophote::stage::{Plan, Stage};
+use isophote::view::ModelArgs;
+use isophote::{output, say, terminal};
 use nurbs::{KnotVector, Surface};
 use pipeline::mask::{MaskFill, MaskOptions, MaskPlan, MaskQuality, Trimming};
 use scene::{Camera, Face, Loop, Model, Projection, Trim, Viewport};
@@ -36,7 +36,7 @@ const CHORDS: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 /// side.
 #[derive(Debug, Args)]
 pub struct GeigerArgs {
-    /// A model file or the name of a built-in model (see `cargo xtask info --list`)
+    /// A model file or the name of a built-in model (see `isophote info --list`)
     #[arg(value_name = "MODEL", default_value = "pieces")]
     model: String,
     /// The most memory of all masks together, MB of a million bytes; beyond it they are made coarser, and the table says so

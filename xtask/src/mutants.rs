@@ -12,11 +12,11 @@ pub mod token;
 pub mod trial;
 pub mod worker;
 
-use crate::format::Format;
-use crate::output;
-use crate::{technique, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use isophote::format::Format;
+use isophote::output;
+use isophote::{technique, terminal};
 use journal::Journal;
 use mutant::{Generated, Mutant, generate};
 use report::{Report, Tried};

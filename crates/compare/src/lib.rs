@@ -8,6 +8,7 @@
 mod attribution;
 mod cause;
 mod deviation;
+mod diagnosis;
 mod difference;
 mod edge;
 mod error;
@@ -31,6 +32,7 @@ pub use deviation::{
     ATTRIBUTE_ULPS, Claims, Deviation, EDGE_PX, EXACT_MULTIPLE, EXACT_PX, Interpolation, SNAP_PX, TRIANGLES_MULTIPLE,
     UNANSWERED_SHARE,
 };
+pub use diagnosis::{Diagnosis, Fault, Stored, diagnose};
 pub use error::CompareError;
 pub use judge::Judge;
 pub use report::{Counts, Coverage, Edges, Identical, PairReport, PixelReport, PixelVerdict, Verdict};

@@ -90,7 +90,7 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<
         return filled(OpenOptions::new().write(true).open(&target)?, fill).map(|_| ());
     }
     if there.as_ref().is_some_and(|metadata| metadata.permissions().readonly()) {
-        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file that is there is read-only"));
+        return Err(read_only());
     }
     let (beside, file) = Beside::new(&target)?;
     if let Some(metadata) = there {
@@ -98,6 +98,25 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<
     }
     filled(file, fill)?.sync_all()?;
     beside.rename(&target)
+}
+
+/// Whether [`write()`] could begin: the folder is there and takes a new file, and a file that is there may be replaced.
+/// Nothing is changed.
+///
+/// # Errors
+/// As [`write()`], but for a full disk.
+pub fn check(path: &Path) -> io::Result<()> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    match fs::metadata(&target) {
+        Ok(there) if there.is_dir() => Err(io::Error::from(io::ErrorKind::IsADirectory)),
+        Ok(there) if there.permissions().readonly() => Err(read_only()),
+        Ok(there) if !there.is_file() => Ok(()),
+        _ => Beside::new(&target).map(|_| ()),
+    }
+}
+
+fn read_only() -> io::Error {
+    io::Error::new(io::ErrorKind::PermissionDenied, "the file that is there is read-only")
 }
 
 /// Writes a file of these bytes, as [`write()`] does.

@@ -31,7 +31,7 @@
 //! polynomial), `tolerance` and `edge_tolerance` (0), `vertex_tolerance` (unknown), `loops` (none), `edge`, and the flags
 //! `reversed`, `seam` and `degenerate` (false). Keys in any order; a key given twice is refused, and so is one that is not
 //! named here, lest a slip in a name pass for an absent key. Read over are only `view` and `meta` of the document and
-//! `pixel` of a face, which `cargo xtask scene` adds. Counts may be written `3.0`.
+//! `pixel` of a face, which `isophote scene` adds. Counts may be written `3.0`.
 //!
 //! Two extensions, both understood when read and never written:
 //!

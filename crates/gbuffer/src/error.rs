@@ -170,6 +170,12 @@ pub enum GBufferError {
         /// The width, degrees.
         degrees: f64,
     },
+    /// There are no stripes, or too many to be told apart.
+    #[error("{count} stripes: they must be 1 to 1000")]
+    Stripes {
+        /// How many were asked for.
+        count: u32,
+    },
     /// A light direction is zero or not finite.
     #[error("the light direction {direction:?} is zero or not finite")]
     Light {

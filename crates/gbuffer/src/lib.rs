@@ -3,20 +3,27 @@
 //! All renderers fill the same [`GBuffer`]; it goes to and from files as NumPy's `.npz` ([`GBuffer::write_npz`],
 //! [`GBuffer::read_npz`]). Pictures are made from it afterwards, by one [`Shading`] for all ([`GBuffer::shaded`]), whose
 //! WGSL twin is `shaders/shade.wgsl`; along trim edges they are blended ([`GBuffer::resolved`]) where a renderer was asked for
-//! them; a [`Picture`] goes to a PNG file.
+//! them; a [`Picture`] goes to a PNG file. A [`Quantity`] is drawn as numbers ([`GBuffer::plotted`]), highlight lines by
+//! [`GBuffer::highlighted`].
 
 mod buffer;
 mod error;
+mod highlight;
 mod hit;
+mod legend;
+mod lettering;
 mod npy;
 mod npz;
 mod picture;
+mod plot;
 mod resolve;
 mod shade;
 
 pub use buffer::{GBuffer, Meta, Rows, Trims};
 pub use error::GBufferError;
+pub use highlight::Lamps;
 pub use hit::{EDGE_REACH_PX, Hit, LocalParameters, PrincipalCurvatures};
 pub use picture::Picture;
+pub use plot::Quantity;
 pub use resolve::{Mixture, coverage};
 pub use shade::{ShadeInput, ShadeKind, ShadeUniform, Shading, background, shade_pixel, shade_tolerant, unorm8};

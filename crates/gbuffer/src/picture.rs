@@ -77,6 +77,60 @@ impl Picture {
         self.rgb[y * self.width + x]
     }
 
+    /// A picture of one colour, each side at least 1.
+    pub(crate) fn plain(width: usize, height: usize, colour: [u8; 3]) -> Self {
+        Self::from_fn(width, height, |_, _| colour)
+    }
+
+    /// Fills a rectangle, as much of it as is inside.
+    pub(crate) fn fill(&mut self, [x, y]: [usize; 2], [width, height]: [usize; 2], colour: [u8; 3]) {
+        for row in y.min(self.height)..(y + height).min(self.height) {
+            let (start, end) = (x.min(self.width), (x + width).min(self.width));
+            self.rgb[row * self.width + start..row * self.width + end].fill(colour);
+        }
+    }
+
+    /// The picture with another colour where `is_there` says so, of pixel (x, y).
+    pub fn recoloured(mut self, colour: [u8; 3], is_there: impl Fn(usize, usize) -> bool) -> Self {
+        let width = self.width;
+        let chosen = self.rgb.iter_mut().enumerate().filter(|(i, _)| is_there(i % width, i / width));
+        chosen.for_each(|(_, rgb)| *rgb = colour);
+        self
+    }
+
+    /// The picture as the bytes of a PNG file. With `alpha`, a value a pixel, row by row, it is as opaque as that says, and
+    /// colours are what is left of them without the share of `behind`, in linear light: they are meant to be put over another
+    /// picture.
+    ///
+    /// # Errors
+    /// [`GBufferError::PictureSize`] where there are not as many values as pixels, [`GBufferError::Png`] where there are too
+    /// many of them for the format.
+    pub fn png(&self, alpha: Option<(&[u8], [u8; 3])>) -> Result<Vec<u8>, GBufferError> {
+        let mut bytes = vec![];
+        let Some((alpha, behind)) = alpha else {
+            self.encode_png(&mut bytes).map_err(unwritable)?;
+            return Ok(bytes);
+        };
+        if alpha.len() != self.rgb.len() {
+            let (width, height, count) = (self.width, self.height, alpha.len());
+            return Err(GBufferError::PictureSize { width, height, count });
+        }
+        let over = |rgb: &[u8; 3], alpha: u8| {
+            let share = f64::from(alpha) / 255.0;
+            let alone = |c: usize| match alpha {
+                0 | 255 => rgb[c],
+                _ => {
+                    let [mixed, back] = [rgb[c], behind[c]].map(light_from_srgb);
+                    srgb_from_light(((mixed - (1.0 - share) * back) / share).clamp(0.0, 1.0))
+                }
+            };
+            [alone(0), alone(1), alone(2), alpha]
+        };
+        let rgba: Vec<[u8; 4]> = self.rgb.iter().zip(alpha).map(|(rgb, alpha)| over(rgb, *alpha)).collect();
+        self.encode(&mut bytes, rgba.as_flattened(), ExtendedColorType::Rgba8).map_err(unwritable)?;
+        Ok(bytes)
+    }
+
     /// Writes the picture to a file in PNG format, whatever its name ends in, replacing what is there.
     ///
     /// # Errors
@@ -89,12 +143,15 @@ impl Picture {
 
     /// The picture in PNG format.
     fn encode_png(&self, writer: impl Write) -> io::Result<()> {
+        self.encode(writer, self.rgb.as_flattened(), ExtendedColorType::Rgb8)
+    }
+
+    fn encode(&self, writer: impl Write, bytes: &[u8], colours: ExtendedColorType) -> io::Result<()> {
         let (width, height) = (u32::try_from(self.width), u32::try_from(self.height));
         let (Ok(width), Ok(height)) = (width, height) else {
             return Err(io::Error::other(format!("{}x{} pixels are too many for PNG", self.width, self.height)));
         };
-        let (bytes, encoder) = (self.rgb.as_flattened(), PngEncoder::new(writer));
-        encoder.write_image(bytes, width, height, ExtendedColorType::Rgb8).map_err(|error| match error {
+        PngEncoder::new(writer).write_image(bytes, width, height, colours).map_err(|error| match error {
             ImageError::IoError(error) => error,
             other => io::Error::other(other),
         })
@@ -198,6 +255,11 @@ impl Picture {
     }
 }
 
+/// Where a PNG file would be written to memory: nothing is wrong but the picture's size.
+fn unwritable(error: io::Error) -> GBufferError {
+    GBufferError::Png { path: "-".into(), reason: error.to_string() }
+}
+
 /// Linear light, 0 to 1, of an sRGB value of 8 bits. libm's power, so that pictures do not depend on the platform's.
 fn light_from_srgb(value: u8) -> f64 {
     let x = f64::from(value) / 255.0;
@@ -219,10 +281,6 @@ fn viridis(t: f64) -> [u8; 3] {
 mod tests {
     use super::*;
 
-    fn plain(width: usize, height: usize, colour: [u8; 3]) -> Picture {
-        Picture::from_fn(width, height, |_, _| colour)
-    }
-
     #[test]
     fn a_png_file_holds_the_pictures_bytes() {
         let picture = Picture::from_fn(5, 3, |x, y| [x as u8 * 50, y as u8 * 100, 7]);
@@ -237,6 +295,18 @@ mod tests {
         // So small a picture stays in a buffer until that is flushed.
         #[cfg(unix)]
         assert!(matches!(picture.write_png("/dev/full"), Err(GBufferError::Png { .. })));
+    }
+
+    #[test]
+    fn a_transparent_picture_keeps_the_colours_of_what_it_shows() {
+        // White over black, of which half a pixel is covered, is 188 of sRGB; by itself it is white again.
+        let picture = Picture::new(3, 1, vec![[255; 3], [188; 3], [0; 3]]).unwrap();
+        let bytes = picture.png(Some((&[255, 128, 0], [0; 3]))).unwrap();
+        let back = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png).unwrap().into_rgba8();
+        let pixels: Vec<[u8; 4]> = back.pixels().map(|pixel| pixel.0).collect();
+        assert_eq!((pixels[0], pixels[2]), ([255; 4], [0; 4]));
+        assert!(pixels[1][0] >= 254 && pixels[1][3] == 128, "{pixels:?}");
+        assert!(matches!(picture.png(Some((&[0], [0; 3]))), Err(GBufferError::PictureSize { .. })));
     }
 
     #[test]
@@ -279,33 +349,33 @@ mod tests {
 
     #[test]
     fn pictures_stand_side_by_side_with_a_gap() {
-        let (a, b) = (plain(2, 3, [1; 3]), plain(1, 1, [2; 3]));
+        let (a, b) = (Picture::plain(2, 3, [1; 3]), Picture::plain(1, 1, [2; 3]));
         let all = Picture::beside(&[&a, &b]);
         assert_eq!((all.width(), all.height()), (2 + GAP + 1, 3));
         assert_eq!((all.pixel(1, 2), all.pixel(2, 0), all.pixel(2 + GAP, 0)), ([1; 3], background(), [2; 3]));
         assert_eq!(all.pixel(2 + GAP, 1), background());
-        assert_eq!(Picture::beside(&[]), plain(1, 1, background()));
+        assert_eq!(Picture::beside(&[]), Picture::plain(1, 1, background()));
     }
 
     #[test]
     fn an_average_is_one_of_light() {
-        let (black, white) = (plain(2, 1, [0; 3]), plain(2, 1, [255; 3]));
+        let (black, white) = (Picture::plain(2, 1, [0; 3]), Picture::plain(2, 1, [255; 3]));
         // Half the light of white is shown by 188, three quarters by 225 (sRGB; by a gamma of 2.2: 186 and 224).
         let mean = |pictures: &[Picture]| Picture::average(pictures).unwrap().pixel(1, 0)[0];
         assert_eq!(mean(&[black.clone(), white.clone()]), 188);
         assert_eq!(mean(&[white.clone(), black.clone(), white.clone(), white.clone()]), 225);
         for value in 0..=255 {
-            let same = plain(1, 1, [value, 0, 255]);
+            let same = Picture::plain(1, 1, [value, 0, 255]);
             assert_eq!(Picture::average(&[same.clone(), same.clone(), same.clone()]).unwrap(), same);
         }
         assert!(matches!(Picture::average(&[]), Err(GBufferError::NoPictures)));
-        let other = Picture::average(&[black, plain(1, 2, [0; 3])]);
+        let other = Picture::average(&[black, Picture::plain(1, 2, [0; 3])]);
         assert!(matches!(other, Err(GBufferError::PictureSizesDiffer { .. })));
     }
 
     #[test]
     fn a_difference_shows_the_pixels_that_differ() {
-        let a = plain(3, 1, [10, 20, 30]);
+        let a = Picture::plain(3, 1, [10, 20, 30]);
         let mut b = a.clone();
         b.rgb[1] = [11, 20, 30];
         b.rgb[2] = [10, 20, 130];
@@ -313,7 +383,7 @@ mod tests {
         assert_eq!(greatest, 100);
         assert_eq!([0, 1, 2].map(|x| picture.pixel(x, 0)), [background(), viridis(0.0), viridis(1.0)]);
         assert_eq!(Picture::difference(&a, &a).unwrap().1, 0);
-        let other = plain(1, 3, [0; 3]);
+        let other = Picture::plain(1, 3, [0; 3]);
         assert!(matches!(Picture::difference(&a, &other), Err(GBufferError::PictureSizesDiffer { .. })));
     }
 }

@@ -31,7 +31,10 @@ const DEFAULT_BAND_DEG: f64 = 5.0;
 const DEFAULT_LIGHT: DVec3 = DVec3::new(-0.5, 0.6, 1.0);
 
 /// Reflection lines over the whole sphere of directions, light and dark; odd, so that none ends straight ahead.
-const STRIPES: f32 = 17.0;
+const STRIPES: u32 = 17;
+
+/// The most that are drawn: on 4,096 pixels four are left for each.
+const MOST_STRIPES: u32 = 1000;
 
 /// Squares along each parameter.
 const SQUARES: f32 = 10.0;
@@ -114,12 +117,16 @@ pub struct Shading {
     band_deg: f64,
     /// Unit direction to the light in the camera's frame: right, above, toward the viewer.
     light: DVec3,
+    /// Of the zebra, light and dark, over the whole sphere of directions.
+    stripes: u32,
+    /// How far the zebra is turned from upright in the picture, counterclockwise, radians.
+    turn_rad: f64,
 }
 
 impl Shading {
-    /// A kind with isophote bands of 5° and the light over the viewer's left shoulder.
+    /// A kind with isophote bands of 5°, 17 upright stripes, and the light over the viewer's left shoulder.
     pub fn new(kind: ShadeKind) -> Self {
-        Self { kind, band_deg: DEFAULT_BAND_DEG, light: DEFAULT_LIGHT.normalize() }
+        Self { kind, band_deg: DEFAULT_BAND_DEG, light: DEFAULT_LIGHT.normalize(), stripes: STRIPES, turn_rad: 0.0 }
     }
 
     /// The same with isophote bands of another width, 2.5° to 90°; where it does not divide 90° the last is narrower.
@@ -143,6 +150,22 @@ impl Shading {
         Ok(Self { light, ..self })
     }
 
+    /// The same with another number of reflection lines, light and dark, 1 to 1000 over all directions.
+    ///
+    /// # Errors
+    /// [`GBufferError::Stripes`].
+    pub fn with_stripes(self, count: u32) -> Result<Self, GBufferError> {
+        match (1..=MOST_STRIPES).contains(&count) {
+            true => Ok(Self { stripes: count, ..self }),
+            false => Err(GBufferError::Stripes { count }),
+        }
+    }
+
+    /// The same with reflection lines turned from upright in the picture, counterclockwise, radians.
+    pub fn with_stripes_turned(self, turn_rad: f64) -> Self {
+        Self { turn_rad, ..self }
+    }
+
     /// What is shown.
     pub fn kind(&self) -> ShadeKind {
         self.kind
@@ -159,11 +182,16 @@ impl Shading {
             // libm's cosine, so that pictures do not depend on the platform's.
             *threshold = libm::cos((k as f64 * self.band_deg).to_radians()) as f32;
         }
+        // An upright zebra keeps its bits.
+        let axis = match self.turn_rad {
+            0.0 => camera.right(),
+            turn => libm::cos(turn) * camera.right() + libm::sin(turn) * camera.above(),
+        };
         ShadeUniform {
             light: light.as_vec3().to_array(),
             kind: self.kind as u32,
-            axis: camera.right().as_vec3().to_array(),
-            stripes: STRIPES,
+            axis: axis.as_vec3().to_array(),
+            stripes: self.stripes as f32,
             squares: SQUARES,
             bands: bands as f32,
             curvature_scale: (size * CURVATURE_SHARE) as f32,
@@ -319,7 +347,7 @@ const BACKGROUND: Vec3 = Vec3::new(0.082, 0.094, 0.118);
 /// Where the normal is undefined.
 const UNDEFINED_COLOUR: Vec3 = Vec3::new(1.0, 0.0, 1.0);
 /// Where the curvature is unknown.
-const UNKNOWN_COLOUR: Vec3 = Vec3::new(0.45, 0.45, 0.45);
+pub(crate) const UNKNOWN_COLOUR: Vec3 = Vec3::new(0.45, 0.45, 0.45);
 
 const PHONG_BASE: Vec3 = Vec3::new(0.44, 0.56, 0.66);
 const PHONG_AMBIENT: f32 = 0.025;
@@ -329,8 +357,8 @@ const PHONG_SPECULAR: f32 = 0.3;
 /// How fast the side turns dark toward the silhouette, where the seen side changes.
 const PHONG_RIM: f32 = 4.0;
 
-const LIGHT_TONE: Vec3 = Vec3::new(0.965, 0.961, 0.945);
-const DARK_TONE: Vec3 = Vec3::new(0.141, 0.208, 0.345);
+pub(crate) const LIGHT_TONE: Vec3 = Vec3::new(0.965, 0.961, 0.945);
+pub(crate) const DARK_TONE: Vec3 = Vec3::new(0.141, 0.208, 0.345);
 
 // Hues of isophotes from facing the light to grazing it.
 const ANGLE_0: Vec3 = Vec3::new(0.957, 0.647, 0.165);
@@ -470,7 +498,7 @@ fn compressed(value: f32) -> f32 {
 }
 
 /// A colour for −1 to 1: blue, white at nought, red.
-fn diverging_colour(x: f32) -> Vec3 {
+pub(crate) fn diverging_colour(x: f32) -> Vec3 {
     let t = x.abs() * 2.0;
     let first = if x > 0.0 { POSITIVE_1 } else { NEGATIVE_1 };
     let second = if x > 0.0 { POSITIVE_2 } else { NEGATIVE_2 };

@@ -185,9 +185,21 @@ impl Camera {
     /// A camera that frames `model` from the front right, above: along (−1, 1.6, −0.9), z up, 40° high, 3 % farther than
     /// holds all that is seen, which it has in the picture's middle.
     pub fn framing(model: &Model, viewport: Viewport) -> Self {
-        let direction = DEFAULT_DIRECTION.normalize();
+        Self::framing_from(model, viewport, DEFAULT_DIRECTION).expect("a direction that is not straight along z")
+    }
+
+    /// As [`Self::framing`], from another side: `direction` is that from the model to the eye, of any length. z is up; along z
+    /// itself, y is.
+    ///
+    /// # Errors
+    /// [`SceneError`]'s camera variants, where the direction is zero or not finite.
+    pub fn framing_from(model: &Model, viewport: Viewport, direction: DVec3) -> Result<Self, SceneError> {
+        let Some(direction) = direction.try_normalize() else {
+            return Self::look_at(direction, DVec3::ZERO, DVec3::Z, Projection::Perspective { fov_deg: DEFAULT_FOV });
+        };
+        let up = if direction.x == 0.0 && direction.y == 0.0 { DVec3::Y } else { DVec3::Z };
         let forward = -direction;
-        let right = forward.cross(DVec3::Z).normalize();
+        let right = forward.cross(up).normalize();
         let above = right.cross(forward);
         let k = libm::tan(DEFAULT_FOV.to_radians() / 2.0);
         let (extent, center) = (model.extent(), model.hull().center());
@@ -205,8 +217,7 @@ impl Camera {
         let distance = if distance > least { distance } else { 1.0f64.max(2.0 * least) };
         let target = center + x * right + y * above;
         let eye = target + direction * distance * DEFAULT_MARGIN;
-        Self::look_at(eye, target, DVec3::Z, Projection::Perspective { fov_deg: DEFAULT_FOV })
-            .expect("finite, distinct, and not straight along z")
+        Self::look_at(eye, target, up, Projection::Perspective { fov_deg: DEFAULT_FOV })
     }
 
     /// Where the camera stands.

@@ -5,11 +5,11 @@ use super::scenes::{Scene, Shown};
 use compare::{Cause, NEARLY};
 use gbuffer::{Hit, PrincipalCurvatures};
 use glam::{DVec2, DVec3};
+use isophote::stage::Stage;
 use nurbs::{Direction, Normal, Surface};
 use pipeline::enclosure::Interval;
 use raster::Options;
 use scene::FaceId;
-use xtask::stage::Stage;
 
 const SURFACES: &[Scene] = &[Scene::Bicubic, Scene::ManySpans, Scene::Rational, Scene::Wave];
 

@@ -3,12 +3,12 @@
 use compare::PairReport;
 use gbuffer::{GBuffer, Hit};
 use glam::DVec3;
+use isophote::stage::{Plan, Stage};
 use nurbs::{KnotVector, Surface};
 use raycast::Caster;
 use scene::{Camera, Face, Model, Projection, Viewport};
 use std::sync::Arc;
 use techniques::fragment::Tessellation;
-use xtask::stage::{Plan, Stage};
 
 const SIDE: usize = 64;
 

@@ -211,7 +211,7 @@ fn hostile_loops_end_soon_with_the_number() {
 fn names_and_numbers_are_fit_to_print() {
     let info = |name: &str| {
         let model = opened(name);
-        xtask::info::text(&Document::of_model(model))
+        isophote::info::text(&Document::of_model(model))
     };
     let named = info("43-name-with-controls");
     assert!(named.chars().all(|c| !c.is_control() || c == '\n') && !named.contains('\u{202e}'), "{named}");

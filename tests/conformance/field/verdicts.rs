@@ -4,15 +4,15 @@ use super::field;
 use compare::{PairReport, UNBOUNDED_SHARE, Unbounded, Verdict};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
+use isophote::conform::wrong::wrong;
+use isophote::stage::{Plan, Stage};
 use raycast::Caster;
 use scene::{Camera, Model, Projection, Viewport};
 use techniques::Technique;
-use xtask::conform::wrong::wrong;
-use xtask::stage::{Plan, Stage};
 
 fn model(name: &str) -> Model {
     let path = field(name).to_str().expect("UTF-8").to_owned();
-    xtask::view::ModelArgs::named(&path).open().expect("a model")
+    isophote::view::ModelArgs::named(&path).open().expect("a model")
 }
 
 fn viewport() -> Viewport {

@@ -1,10 +1,10 @@
 //! The area of a trimmed face by counting pixels.
 
 use glam::{DVec2, DVec3};
+use isophote::stage::{Plan, Stage};
 use nurbs::{KnotVector, Surface};
 use raycast::Caster;
 use scene::{Camera, Face, FaceId, Model, Projection, Viewport};
-use xtask::stage::{Plan, Stage};
 
 /// The share of the boundary's length times a pixel's side that the area may be off: at first order, and far less than
 /// the half of it that a boundary along rows of pixels can cost.

@@ -2,10 +2,10 @@
 
 use gbuffer::GBuffer;
 use glam::DVec3;
+use isophote::stage::{Plan, Stage};
 use nurbs::{Curve, Surface};
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Projection, Viewport};
-use xtask::stage::{Plan, Stage};
 
 /// Side of the pictures, pixels.
 const SIDE: usize = 48;

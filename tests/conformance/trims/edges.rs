@@ -3,13 +3,13 @@
 use compare::{Cause, PairReport, Verdict};
 use gbuffer::{EDGE_REACH_PX, GBuffer, Hit, Meta, Picture};
 use glam::{DVec2, DVec3};
+use isophote::stage::{Plan, Stage};
 use nurbs::{KnotVector, Surface};
 use pipeline::Parameters;
 use pipeline::edge::{edge, packed, unpacked};
 use raycast::Caster;
 use scene::{Camera, Face, FaceId, Loop, Model, Projection, Trim, Viewport};
 use techniques::Technique;
-use xtask::stage::{Plan, Stage};
 
 /// Side of the pictures, pixels.
 const SIDE: usize = 48;

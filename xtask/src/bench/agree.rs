@@ -1,8 +1,8 @@
 //! Renderers whose pictures disagree are not timed.
 
-use crate::stage::{Plan, Stage};
 use anyhow::Result;
 use compare::Verdict;
+use isophote::stage::{Plan, Stage};
 use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 
@@ -30,7 +30,7 @@ pub fn disagreement(model: &Model, device: Option<&gpu::Device>, plan: Plan) -> 
             _ => format!("differ in {} pixels", pair.differing()),
         };
         format!(
-            "{} and {} disagree on {}: they {how}; there is nothing to time (see `cargo xtask compare {} --technique {}`)",
+            "{} and {} disagree on {}: they {how}; there is nothing to time (see `isophote compare {} --technique {}`)",
             pair.reference,
             pair.candidate,
             model.name(),

@@ -1,9 +1,9 @@
 //! Frames of a turning model, timed.
 
-use crate::stage::{Path, Plan};
 use anyhow::{Context, Result};
 use gbuffer::{ShadeKind, Shading};
 use glam::{DQuat, DVec3};
+use isophote::stage::{Path, Plan};
 use pipeline::{PackedScene, View};
 use scene::{Camera, Model, Viewport};
 use std::hint::black_box;

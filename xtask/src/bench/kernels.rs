@@ -5,12 +5,12 @@
 
 use super::frames::Frames;
 use super::parts::{POINTS, Together, cast, evaluate_f32, evaluate_f64, points, rays};
-use crate::format::Format;
-use crate::{say, terminal};
 use anyhow::{Context, Result, bail, ensure};
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use isophote::format::Format;
+use isophote::stage::Plan;
+use isophote::{say, terminal};
 use lanes::Level;
-use pipeline::Scheme;
 use raycast::Caster;
 use scene::{Camera, Viewport};
 use serde::{Deserialize, Serialize};

@@ -1,12 +1,12 @@
 //! Suite `paths`: frames of one technique by the GPU's rasterizer and by compute kernels, side by side.
 
 use super::agree::disagreement;
-use crate::cost::{self, Patience};
-use crate::format::Format;
-use crate::stage::{Path, Plan, Stage};
-use crate::{say, terminal};
 use anyhow::{Result, bail};
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use isophote::cost::{self, Patience};
+use isophote::format::Format;
+use isophote::stage::{Path, Plan, Stage};
+use isophote::{say, terminal};
 use scene::{Camera, Viewport};
 use serde::Serialize;
 

@@ -3,14 +3,14 @@
 mod counts;
 mod line;
 
-use crate::format::Format;
-use crate::number;
-use crate::stage::Plan;
-use crate::{say, terminal};
 use anyhow::{Result, bail};
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use counts::{Count, counts, of_paper};
+use isophote::format::Format;
+use isophote::number;
+use isophote::stage::Plan;
+use isophote::{say, terminal};
 use line::{Line, Measuring};
 use models::TeaScene;
 use scene::Viewport;
@@ -105,7 +105,7 @@ pub fn run(
     frames: usize,
     format: Format,
 ) -> Result<()> {
-    let patience = crate::cost::Patience { frames, seconds: args.seconds };
+    let patience = isophote::cost::Patience { frames, seconds: args.seconds };
     let is_asked = |name: &str, patches: usize| {
         patches <= args.patches as usize && args.only.as_ref().is_none_or(|only| only == name)
     };

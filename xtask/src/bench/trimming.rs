@@ -2,8 +2,8 @@
 
 use super::frames::{Frames, turning};
 use super::sample::Sample;
-use crate::stage::Plan;
 use anyhow::Result;
+use isophote::stage::Plan;
 use pipeline::PackedScene;
 use scene::{Face, Model, Viewport};
 use std::hint::black_box;

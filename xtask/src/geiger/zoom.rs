@@ -1,10 +1,10 @@
 //! A trim edge at 20 times the size: by the masks that were made for the whole picture, exactly, and by samples.
 
-use crate::compare::Shade;
-use crate::stage::{Plan, Stage};
 use anyhow::Result;
 use gbuffer::Picture;
 use glam::{DVec2, DVec3};
+use isophote::compare::Shade;
+use isophote::stage::{Plan, Stage};
 use pipeline::PackedScene;
 use pipeline::mask::{MaskOptions, MaskPlan, Masks};
 use scene::{Camera, FaceId, Model, Projection, SamplePattern, Viewport};

@@ -3,10 +3,10 @@
 use super::mutant::{Key, Mutant, parts, tried_by};
 use super::record::{Group, Kind};
 use super::worker::Outcome;
-use crate::format::Format;
-use crate::{say, terminal};
 use anyhow::Result;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use isophote::format::Format;
+use isophote::{say, terminal};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -1,8 +1,8 @@
 //! A scene that mutants are shown on.
 
-use crate::stage::Plan;
 use compare::Claims;
 use gbuffer::{ShadeKind, Shading};
+use isophote::stage::Plan;
 use pipeline::Scheme;
 use scene::{Camera, Model, Viewport};
 use techniques::Technique;

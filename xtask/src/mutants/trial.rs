@@ -2,10 +2,10 @@
 
 use super::capped::capped;
 use super::shown::Shown;
-use crate::stage::{Plan, Stage};
 use anyhow::{Result, bail};
 use compare::{Claims, Verdict};
 use gbuffer::{GBuffer, Hit};
+use isophote::stage::{Plan, Stage};
 use pipeline::Parameters;
 use pipeline::fragment::{Fragment, fragment};
 use pipeline::wgsl::{self, Variant};

@@ -43,7 +43,7 @@ fn unknown_keys_are_refused_with_their_name_and_place() {
     assert!(error.contains(r#"faces[0].loops[0]: there is no key "\u{1b}[2J" here"#), "{error}");
 }
 
-/// `cargo xtask scene` writes a model with a view; it opens as a model again.
+/// `isophote scene` writes a model with a view; it opens as a model again.
 #[test]
 fn what_a_scene_adds_is_read_over_however_deep_it_is() {
     let deep = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));

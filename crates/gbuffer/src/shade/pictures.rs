@@ -1,27 +1,22 @@
 //! Pictures of a shading: of a G-buffer, and of the scale that its colours stand for.
 
-use super::{ShadeInput, ShadeKind, Shading, background, diverging_colour, isophote_colour, shade_pixel, unorm8};
+use super::{ShadeInput, ShadeKind, Shading, background, isophote_colour, shade_pixel, unorm8};
+use crate::legend::number;
 use crate::{GBuffer, GBufferError, Picture};
 use scene::{Camera, Model};
 
 impl Shading {
-    /// A strip, 24 pixels wide, of the colours of this kind from its greatest value on top to its least, with a tick
-    /// at both ends and at each quarter; `None` for kinds without a scale.
-    ///
-    /// Isophotes: 0° on top, 90° at the bottom. Curvatures: x / (1 + |x|) from 1 on top to −1, so that the ticks stand
-    /// for x = ∞, 1, 0, −1, −∞; x is the curvature scaled as in [`ShadeKind`].
+    /// The colours of isophotes beside the angle between normal and light: 0° on top, 90° at the bottom. `None` for other
+    /// kinds: what curvatures are is said by the legend of a [`Quantity`](crate::Quantity).
     pub fn legend(&self, height: usize) -> Option<Picture> {
-        match self.kind {
-            ShadeKind::Isophotes => Some(Picture::legend(height, |t| {
+        (self.kind == ShadeKind::Isophotes).then(|| {
+            let ticks = [0.0, 22.5, 45.0, 67.5, 90.0].map(|angle| (1.0 - angle / 90.0, format!("{}°", number(angle))));
+            Picture::numbered_legend(height, "to light", &ticks, |t| {
                 let bands = (90.0 / self.band_deg).ceil() as f32;
                 let band = ((1.0 - t) * 90.0 / self.band_deg).floor() as f32;
                 unorm8(isophote_colour(bands, band.min(bands - 1.0)))
-            })),
-            ShadeKind::Gaussian | ShadeKind::Mean => {
-                Some(Picture::legend(height, |t| unorm8(diverging_colour((2.0 * t - 1.0) as f32))))
-            }
-            _ => None,
-        }
+            })
+        })
     }
 }
 

@@ -341,6 +341,53 @@ struct Covered {
     targets: wgpu::BindGroup,
 }
 
+/// A kernel that is run.
+struct Dispatch {
+    kernel: Kernel,
+    /// Number of its call.
+    call: usize,
+    program: Program,
+    /// Workgroups in both dimensions.
+    groups: [u32; 2],
+}
+
+impl Covered {
+    /// The batches by their numbers; one of a program that no face has shows nothing of this scene.
+    fn batches(&self) -> Vec<(usize, Program, u32)> {
+        let batches =
+            self.fed.batches.iter().enumerate().map(|(index, &(program, [_, count]))| (index, program, count));
+        batches.filter(|(_, program, _)| self.pipelines.contains_key(&(*program, Kernel::PlaceCorners))).collect()
+    }
+
+    fn placing(&self, batches: &[(usize, Program, u32)]) -> Vec<Dispatch> {
+        let groups = grid(self.fed.vertices);
+        let first =
+            batches.first().map(|&(call, program, _)| Dispatch { kernel: Kernel::PlaceCorners, call, program, groups });
+        first.into_iter().collect()
+    }
+
+    fn covering(&self, batches: &[(usize, Program, u32)]) -> Vec<Dispatch> {
+        let of_batch = |kernel: Kernel, &(index, program, count): &(usize, Program, u32)| {
+            let groups = match kernel {
+                Kernel::CoverSmall { .. } => grid(count),
+                _ => [SHARING, 1],
+            };
+            let call = index + usize::from(kernel.is_second()) * self.fed.batches.len();
+            Dispatch { kernel, call, program, groups }
+        };
+        Kernel::that_cover(self.atomics)
+            .flat_map(|kernel| batches.iter().map(move |batch| of_batch(kernel, batch)))
+            .collect()
+    }
+
+    fn resolving(&self, batches: &[(usize, Program, u32)], targets: &Targets) -> Vec<Dispatch> {
+        let side = |pixels: usize| (pixels as u32).div_ceil(TILE);
+        let groups = [side(targets.viewport.width()), side(targets.viewport.height())];
+        let kernel = Kernel::Resolve(targets.output);
+        batches.iter().map(|&(call, program, _)| Dispatch { kernel, call, program, groups }).collect()
+    }
+}
+
 impl Frame for Covered {
     fn parts(&self) -> &'static [&'static str] {
         &["clear", "place", "cover", "resolve"]
@@ -353,11 +400,7 @@ impl Frame for Covered {
         targets: &Targets,
         stamps: Option<Stamps<'_>>,
     ) {
-        // A batch of a program that no face has shows nothing of this scene.
-        let batches: Vec<_> = (0..)
-            .zip(&self.fed.batches)
-            .filter(|(_, (program, _))| self.pipelines.contains_key(&(*program, Kernel::PlaceCorners)))
-            .collect();
+        let batches = self.batches();
         if let Some(Stamps { set, start }) = stamps {
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("start"),
@@ -369,7 +412,7 @@ impl Frame for Covered {
             });
         }
         // The first batch clears what nothing covers; the rasterizer takes longer for that.
-        if batches.first().is_none_or(|&(index, _)| index != 0) {
+        if batches.first().is_none_or(|&(index, ..)| index != 0) {
             drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("clear"),
                 color_attachments: &targets.cleared(),
@@ -380,47 +423,28 @@ impl Frame for Covered {
         if self.fed.counts() > 0 {
             encoder.clear_buffer(&self.fed.queue, 0, Some(self.fed.counts()));
         }
-        let mut part =
-            |label: &'static str, ends: u32, run: &dyn Fn(&mut dyn FnMut(Kernel, usize, Program, [u32; 2]))| {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: Some(label),
-                    timestamp_writes: stamps.map(|Stamps { set, start }| wgpu::ComputePassTimestampWrites {
-                        query_set: set,
-                        beginning_of_pass_write_index: (ends == 2).then_some(start + 1),
-                        end_of_pass_write_index: Some(start + ends),
-                    }),
-                });
-                pass.set_bind_group(0, &scene.group, &[]);
-                pass.set_bind_group(2, &self.targets, &[]);
-                run(&mut |kernel, call, program, [x, y]| {
-                    pass.set_pipeline(&self.pipelines[&(program, kernel)]);
-                    pass.set_bind_group(1, &self.group, &[call as u32 * CALL_STRIDE]);
-                    pass.dispatch_workgroups(x, y, 1);
-                });
-            };
-        part("place", 2, &|run| {
-            if let Some(&(index, &(program, _))) = batches.first() {
-                run(Kernel::PlaceCorners, index, program, grid(self.fed.vertices));
+        let parts = [
+            ("place", self.placing(&batches)),
+            ("cover", self.covering(&batches)),
+            ("resolve", self.resolving(&batches, targets)),
+        ];
+        for (ends, (label, dispatches)) in (2..).zip(parts) {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(label),
+                timestamp_writes: stamps.map(|Stamps { set, start }| wgpu::ComputePassTimestampWrites {
+                    query_set: set,
+                    beginning_of_pass_write_index: (ends == 2).then_some(start + 1),
+                    end_of_pass_write_index: Some(start + ends),
+                }),
+            });
+            pass.set_bind_group(0, &scene.group, &[]);
+            pass.set_bind_group(2, &self.targets, &[]);
+            for Dispatch { kernel, call, program, groups: [x, y] } in dispatches {
+                pass.set_pipeline(&self.pipelines[&(program, kernel)]);
+                pass.set_bind_group(1, &self.group, &[call as u32 * CALL_STRIDE]);
+                pass.dispatch_workgroups(x, y, 1);
             }
-        });
-        part("cover", 3, &|run| {
-            for kernel in Kernel::that_cover(self.atomics) {
-                for &(index, &(program, [_, count])) in &batches {
-                    let size = match kernel {
-                        Kernel::CoverSmall { .. } => grid(count),
-                        _ => [SHARING, 1],
-                    };
-                    run(kernel, index + usize::from(kernel.is_second()) * self.fed.batches.len(), program, size);
-                }
-            }
-        });
-        part("resolve", 4, &|run| {
-            let side = |pixels: usize| (pixels as u32).div_ceil(TILE);
-            let tiles = [side(targets.viewport.width()), side(targets.viewport.height())];
-            for &(index, &(program, _)) in &batches {
-                run(Kernel::Resolve(targets.output), index, program, tiles);
-            }
-        });
+        }
     }
 }
 

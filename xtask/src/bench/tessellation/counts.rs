@@ -1,8 +1,8 @@
 //! Concheiro's Table 1: uniform against adaptive counts of triangles, beside the paper's own.
 
 use crate::bench::frames::turning;
-use crate::stage::Plan;
 use anyhow::Result;
+use isophote::stage::Plan;
 use models::TeaScene;
 use pipeline::PackedScene;
 use scene::Viewport;

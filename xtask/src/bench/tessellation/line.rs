@@ -1,8 +1,8 @@
 //! A model by a technique on a renderer, timed where renderers agree.
 
 use crate::bench::agree::disagreement;
-use crate::cost::{self, Cost, Patience};
-use crate::stage::{Plan, Stage};
+use isophote::cost::{self, Cost, Patience};
+use isophote::stage::{Plan, Stage};
 use scene::{Camera, Model, Viewport};
 use serde::Serialize;
 use std::time::Instant;

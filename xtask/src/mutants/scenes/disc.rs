@@ -5,8 +5,8 @@
 //! itself and has a collapsed side; of many faces each runs along its borders in a direction of its own.
 
 use crate::mutants::shown::{Shown, framed};
-use crate::stage::Plan;
 use glam::{DVec2, DVec3};
+use isophote::stage::Plan;
 use nurbs::{KnotVector, Surface};
 use pipeline::Scheme;
 use scene::{Camera, Face, Loop, Model, Projection, Trim};

@@ -4,8 +4,8 @@
 use super::joints;
 use super::made::{builtin, cylinder, joined, orthographic, raised};
 use crate::mutants::shown::{Shown, framed};
-use crate::stage::Plan;
 use glam::{DVec2, DVec3, dvec2};
+use isophote::stage::Plan;
 use nurbs::{KnotVector, Surface};
 use pipeline::Scheme;
 use scene::{Camera, Face, Loop, Model, Projection, Trim, Viewport};

@@ -1,0 +1,50 @@
+//! `adapters`: which GPUs there are.
+
+use crate::format::Format;
+use crate::{say, terminal};
+use anyhow::Result;
+use clap::Args;
+use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use serde_json::json;
+
+/// List the GPU adapters of this machine, software ones too
+#[derive(Debug, Args)]
+pub struct AdaptersArgs {
+    /// For people or for machines
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where there is no adapter: the message names the line that installs a software one.
+pub fn run(args: &AdaptersArgs) -> Result<()> {
+    let adapters = gpu::adapters();
+    match args.format {
+        Format::Json => {
+            let list: Vec<_> = adapters
+                .iter()
+                .map(|a| {
+                    json!({
+                        "name": a.name, "kind": format!("{:?}", a.kind), "driver": a.driver,
+                        "driver_info": a.driver_info, "backend": a.backend,
+                    })
+                })
+                .collect();
+            terminal::json(&json!({ "adapters": list }))?;
+        }
+        Format::Table if adapters.is_empty() => say!("none; a software one: {}", gpu::SOFTWARE_DRIVER)?,
+        Format::Table => {
+            let mut table = Table::new();
+            table.load_style(UTF8_FULL_CONDENSED);
+            table.set_header(["adapter", "kind", "driver", "back end"]);
+            for a in &adapters {
+                let driver = format!("{} {}", a.driver, a.driver_info);
+                table.add_row([a.name.clone(), format!("{:?}", a.kind), driver, a.backend.clone()]);
+            }
+            terminal::table(&table)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,47 @@
+//! `compare`: render by all three, or take what others rendered, compare, and show a person the answer.
+
+mod answer;
+mod args;
+mod judged;
+pub mod pictures;
+mod rendered;
+mod report;
+mod saved;
+mod table;
+mod verdict;
+
+pub use args::{CompareArgs, DrawingArgs, Shade};
+pub use saved::{Saved, SavedFile};
+
+use crate::output;
+use crate::view::ModelArgs;
+use anyhow::{Result, bail};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Runs the command.
+///
+/// # Errors
+/// Where input is bad or a picture cannot be written.
+pub fn run(args: &CompareArgs) -> Result<ExitCode> {
+    // Before minutes of work: a folder that cannot be made, or that another run writes to, is refused now.
+    let _lock = args.out.as_deref().map(output::claim).transpose()?;
+    let is_saved = |subject: &&String| Path::new(subject).extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+    let subjects: Vec<&String> = args.subjects.iter().collect();
+    match (subjects.iter().copied().partition::<Vec<_>, _>(is_saved), &args.of_model) {
+        ((_, models), _) if models.is_empty() && args.approximate.is_asked() => {
+            bail!("--approximate draws a model, and saved G-buffers are drawn already")
+        }
+        ((files, models), _) if models.is_empty() => judged::run(args, &files),
+        ((files, models), None) if files.is_empty() && models.len() == 1 => {
+            rendered::run(args, &ModelArgs { model: models[0].clone(), strict: args.strict })
+        }
+        ((_, models), Some(_)) => {
+            bail!("--model names what saved G-buffers (.npz) show, and {:?} is not one", models[0])
+        }
+        ((_, models), None) => bail!(
+            "compare takes one model, or one or two saved G-buffers (.npz) and their model by --model; {:?} is no .npz",
+            models[0]
+        ),
+    }
+}

@@ -1,0 +1,40 @@
+//! What a comparison of three renderings found.
+
+use crate::antialias::SampleReport;
+use crate::approximate::Approximation;
+use crate::masks::MaskReport;
+use crate::stage::ShadedReport;
+use compare::PairReport;
+use serde::Serialize;
+
+/// What the comparison found.
+#[derive(Serialize)]
+pub(super) struct Report<'a> {
+    /// Of `testdata/schema/compare-1.json`.
+    pub schema_version: u32,
+    pub model: &'a str,
+    /// What of its file is not drawn as it stands there.
+    pub notes: Vec<String>,
+    pub technique: &'static str,
+    pub size: [usize; 2],
+    pub adapter: Option<String>,
+    pub driver: Option<String>,
+    pub triangles: usize,
+    /// What is drawn in the model's place, where another one is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub approximation: Option<Approximation>,
+    /// How the rasterizers trim faces.
+    pub trim: &'static str,
+    /// Where they do by masks.
+    pub masks: Option<MaskReport>,
+    /// Where in a pixel it was sampled; one sample, in the centre, unless anti-aliased.
+    pub samples: &'a [SampleReport],
+    /// Of all samples of a pixel together.
+    pub pairs: &'a [PairReport],
+    /// The pictures shaded in the GPU's fragment stage against the shading of its G-buffer.
+    pub shaded: Option<ShadedReport>,
+    /// Why the GPU did not run.
+    pub gpu_not_run: Option<String>,
+    /// Pixels that the ray caster could not decide.
+    pub undecided: usize,
+}

@@ -1,0 +1,165 @@
+//! `eval`: S, derivatives, normal and curvatures at given parameters, as JSON.
+
+use crate::terminal;
+use crate::view::ModelArgs;
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use nurbs::{Direction, KnotVector, NormalStatus, Surface, SurfacePoint};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Evaluate surfaces at given (u, v) in f64
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  isophote eval teapot --queries points.json")]
+pub struct EvalArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// A JSON file of parameters [default: nine points of every surface]
+    ///
+    /// {"queries": [{"surface": k, "uv": [[u, v], …], "sides": [[±1, ±1], …]}]}; "sides" is optional: −1 takes the limit from
+    /// below at a knot.
+    #[arg(long, value_name = "FILE")]
+    queries: Option<PathBuf>,
+}
+
+/// Of `testdata/schema/eval-1.json`.
+const SCHEMA_VERSION: u32 = 1;
+
+/// The largest file of queries that is read, bytes: 64 MiB, some two million points.
+const MAX_QUERY_BYTES: u64 = 1 << 26;
+
+#[derive(Deserialize)]
+struct Queries {
+    queries: Vec<Query>,
+}
+
+#[derive(Deserialize)]
+struct Query {
+    surface: usize,
+    uv: Vec<[f64; 2]>,
+    sides: Option<Vec<[i8; 2]>>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where the model or the queries cannot be read, or a query is outside its surface.
+pub fn run(args: &EvalArgs) -> Result<()> {
+    let model = args.model.open()?;
+    let queries = match &args.queries {
+        Some(path) => {
+            let name = path.display();
+            let bytes = files::read(path, MAX_QUERY_BYTES).with_context(|| name.to_string())?;
+            serde_json::from_slice::<Queries>(&bytes).with_context(|| format!("{name}: not a list of queries"))?.queries
+        }
+        None => model.surfaces().iter().enumerate().map(|(k, s)| nine_points(k, s)).collect(),
+    };
+    let mut answers = vec![];
+    for (index, query) in queries.iter().enumerate() {
+        let Some(surface) = model.surfaces().get(query.surface) else {
+            let count = model.surfaces().len();
+            bail!("queries[{index}] names surface {}; the model has {count}", query.surface);
+        };
+        if query.sides.as_ref().is_some_and(|sides| sides.len() != query.uv.len()) {
+            bail!("queries[{index}] has {} points and another number of sides", query.uv.len());
+        }
+        let mut results = vec![];
+        for (i, &[u, v]) in query.uv.iter().enumerate() {
+            let [[u0, u1], [v0, v1]] = surface.domain();
+            if !((u0..=u1).contains(&u) && (v0..=v1).contains(&v)) {
+                bail!("queries[{index}].uv[{i}] = ({u}, {v}) is outside the domain [{u0}, {u1}] x [{v0}, {v1}]");
+            }
+            let [side_u, side_v] = query.sides.as_ref().map_or([1, 1], |sides| sides[i]);
+            let span_u = span(surface.knots(Direction::U), u, side_u);
+            let span_v = span(surface.knots(Direction::V), v, side_v);
+            let name = || format!("queries[{index}].uv[{i}] = ({u}, {v}) on surface {}", query.surface);
+            results.push(answer(u, v, &surface.inspect_on(span_u, span_v, u, v)).with_context(name)?);
+        }
+        answers.push(json!({ "surface": query.surface, "results": results }));
+    }
+    terminal::json(&json!({ "schema_version": SCHEMA_VERSION, "queries": answers }))?;
+    Ok(())
+}
+
+fn nine_points(index: usize, surface: &Surface) -> Query {
+    let [us, vs] = surface.domain().map(|[start, end]| [start, start + 0.5 * (end - start), end]);
+    let uv = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v])).collect();
+    Query { surface: index, uv, sides: None }
+}
+
+/// The span on a side of a knot: above (and at the domain's end below), or below.
+fn span(knots: &KnotVector, t: f64, side: i8) -> usize {
+    let above = knots.find_span(t);
+    if side >= 0 {
+        return above;
+    }
+    knots.spans().filter(|&k| knots.knots()[k] < t).last().unwrap_or(above)
+}
+
+/// What is known of a point.
+///
+/// # Errors
+/// Where a value leaves f64: JSON has no infinity, and `null` would say that there is none.
+fn answer(u: f64, v: f64, point: &SurfacePoint) -> Result<Value> {
+    let d = &point.derivatives;
+    let normal = point.normal.unit();
+    let kind = match point.normal.status() {
+        NormalStatus::Regular => "regular",
+        NormalStatus::Limit => "limit",
+        NormalStatus::Undefined => "none",
+    };
+    let mut fields = json!({ "u": u, "v": v, "normal_kind": kind });
+    let vectors = [("S", d.s), ("Su", d.su), ("Sv", d.sv), ("Suu", d.suu), ("Suv", d.suv), ("Svv", d.svv)];
+    for (name, x) in vectors {
+        fields[name] = json!(x.to_array().map(|x| finite(name, x)).into_iter().collect::<Result<Vec<f64>>>()?);
+    }
+    fields["normal"] = json!(normal.map(|n| n.to_array()));
+    let known = point.curvature.zip(normal);
+    let scalars = [
+        ("K", known.map(|(k, _)| k.gaussian)),
+        ("H", known.map(|(k, _)| k.mean)),
+        ("k1", known.map(|(k, _)| k.k1)),
+        ("k2", known.map(|(k, _)| k.k2)),
+        ("E", known.map(|_| d.su.dot(d.su))),
+        ("F", known.map(|_| d.su.dot(d.sv))),
+        ("G", known.map(|_| d.sv.dot(d.sv))),
+        ("L", known.map(|(_, n)| d.suu.dot(n))),
+        ("M", known.map(|(_, n)| d.suv.dot(n))),
+        ("N", known.map(|(_, n)| d.svv.dot(n))),
+    ];
+    for (name, x) in scalars {
+        fields[name] = json!(x.map(|x| finite(name, x)).transpose()?);
+    }
+    Ok(fields)
+}
+
+/// The value, if f64 holds it.
+fn finite(name: &str, x: f64) -> Result<f64> {
+    if !x.is_finite() {
+        bail!("{name} leaves the range of f64 (about 1.8e308): measure the knots, or the model, in larger units");
+    }
+    Ok(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn what_overflows_is_an_error_that_names_it() {
+        let knots = |length: f64| KnotVector::new(1, vec![0.0, 0.0, length, length]).expect("legal");
+        let points = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, x * y)).to_vec();
+        let at = |length: f64| {
+            let surface = Surface::new(knots(length), knots(length), points.clone(), None).expect("legal");
+            answer(0.0, 0.0, &surface.inspect(0.0, 0.0))
+        };
+        let fields = at(1.0).expect("finite");
+        assert_eq!((fields["Suv"][2].as_f64(), fields["k1"].as_f64()), (Some(1.0), Some(1.0)));
+        let error = at(1e-200).expect_err("Suv is 1e400").to_string();
+        assert!(error.starts_with("Suv leaves the range of f64"), "{error}");
+    }
+}

@@ -1,0 +1,37 @@
+//! The command line of Isophote: one file a command, and what they share.
+//!
+//! A library, so that `cargo xtask` offers the same commands, and the conformance tests drive the same [`stage`] as a user
+//! does.
+
+pub mod adapters;
+pub mod angles;
+pub mod antialias;
+pub mod approximate;
+pub mod commands;
+pub mod compare;
+pub mod completions;
+pub mod conform;
+pub mod continuity;
+pub mod convert;
+pub mod cost;
+pub mod entry;
+pub mod eval;
+pub mod format;
+pub mod info;
+pub mod limits;
+pub mod listing;
+pub mod look;
+pub mod man;
+pub mod masks;
+pub mod number;
+pub mod output;
+pub mod overlay;
+pub mod pixel;
+pub mod render;
+pub mod scene;
+pub mod stage;
+pub mod study;
+pub mod technique;
+pub mod terminal;
+pub mod text;
+pub mod view;

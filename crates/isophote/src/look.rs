@@ -1,0 +1,288 @@
+//! What a picture shows, and how: shading, maps of numbers, highlight lines, and what is behind the model.
+
+use crate::number;
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use gbuffer::{GBuffer, Lamps, Picture, Quantity, ShadeKind, Shading, background};
+use glam::DVec3;
+use scene::{Camera, Model};
+
+/// Stripes of a zebra, and lamps of highlight lines, unless told.
+const DEFAULT_STRIPES: u32 = 17;
+
+/// Colours that have a name here.
+const COLOURS: [(&str, [u8; 3]); 4] = [("white", [255; 3]), ("black", [0; 3]), ("grey", [128; 3]), ("gray", [128; 3])];
+
+/// What is shown, and how.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Shading")]
+pub struct LookArgs {
+    /// What the picture shows
+    #[arg(long, value_enum, default_value = "isophotes")]
+    shade: Look,
+    /// Width of an isophote's band, degrees [default: 5]
+    #[arg(long, value_name = "DEG", value_parser = number::positive, allow_hyphen_values = true)]
+    bands: Option<f64>,
+    /// Stripes of a zebra, or lamps of highlight lines [default: 17]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    stripes: Option<u32>,
+    /// Turn stripes or lamps from upright in the picture, counterclockwise, degrees
+    #[arg(long, hide_short_help = true, value_name = "DEG", value_parser = number::finite, allow_hyphen_values = true)]
+    stripe_direction: Option<f64>,
+    /// Toward the light: right, up, to the viewer [default: -0.5 0.6 1]
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
+    light: Option<Vec<f64>>,
+    /// The direction that a mould is pulled in, for `draft` [default: 0 0 1]
+    #[arg(long, hide_short_help = true, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
+    pull: Option<Vec<f64>>,
+    /// Range of a map of numbers: A:B, or `auto` [default: auto]
+    ///
+    /// `auto` reaches from the 5th to the 95th percentile of what is seen; where a sign has a meaning, as far below nought as
+    /// above it.
+    #[arg(long, value_name = "A:B", value_parser = range, allow_hyphen_values = true)]
+    range: Option<Range>,
+    /// Put a legend with numbers and their unit beside the picture
+    #[arg(long)]
+    legend: bool,
+    /// What is behind the model: white, black, grey, #rrggbb or transparent
+    #[arg(long, value_name = "COLOUR", value_parser = behind)]
+    background: Option<Behind>,
+}
+
+/// What a picture shows, by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Look {
+    /// A lit, slightly shiny body
+    Phong,
+    /// Bands of equal angle between normal and light
+    Isophotes,
+    /// Reflection lines
+    Zebra,
+    /// Highlight lines: where normals meet lamps above the surface (Beier & Chen 1994)
+    Highlight,
+    /// The normal's components as colours
+    Normal,
+    /// Squares over (u, v)
+    Checker,
+    /// A colour for each face
+    Face,
+    /// Gaussian curvature
+    Gaussian,
+    /// Mean curvature
+    Mean,
+    /// The smaller radius of curvature
+    MinRadius,
+    /// The greater radius of curvature
+    MaxRadius,
+    /// The angle to the direction of --pull
+    Draft,
+}
+
+/// A range that is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Range {
+    Auto,
+    Given([f64; 2]),
+}
+
+/// What is behind the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Behind {
+    Colour([u8; 3]),
+    Nothing,
+}
+
+fn range(text: &str) -> Result<Range, String> {
+    if text == "auto" {
+        return Ok(Range::Auto);
+    }
+    let ends = text.split_once(':').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
+    let ends = ends.filter(|[a, b]: &[f64; 2]| a.is_finite() && b.is_finite() && a < b);
+    ends.map(Range::Given).ok_or("it is neither `auto` nor A:B with A below B, as in -0.1:0.1".to_owned())
+}
+
+fn behind(text: &str) -> Result<Behind, String> {
+    let named = COLOURS.iter().find(|(name, _)| *name == text).map(|(_, colour)| *colour);
+    let hex = || {
+        let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
+        let channel = |k: usize| u8::from_str_radix(&digits[2 * k..2 * k + 2], 16).ok();
+        Some([channel(0)?, channel(1)?, channel(2)?])
+    };
+    match text {
+        "transparent" => Ok(Behind::Nothing),
+        _ => named.or_else(hex).map(Behind::Colour).ok_or_else(|| {
+            let names: Vec<&str> = COLOURS.iter().map(|(name, _)| *name).collect();
+            format!("it is none of {}, transparent, and no colour like #1a2b3c", names.join(", "))
+        }),
+    }
+}
+
+/// How pictures are painted.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Shaded(Shading),
+    Plotted(Quantity, [f64; 2]),
+    Highlighted(Lamps),
+}
+
+/// Paints G-buffers of one view.
+#[derive(Debug, Clone)]
+pub struct Painter {
+    kind: Kind,
+    behind: Option<Behind>,
+    legend: bool,
+    /// What the model's unit of length is called.
+    length: String,
+}
+
+impl LookArgs {
+    /// Options that say nothing of what is shown are refused, and so are values out of their domain.
+    ///
+    /// # Errors
+    /// Which option, and what it goes with.
+    pub fn check(&self) -> Result<()> {
+        let is = |looks: &[Look]| looks.contains(&self.shade);
+        let striped = is(&[Look::Zebra, Look::Highlight]);
+        let lit = is(&[Look::Phong, Look::Isophotes, Look::Highlight]);
+        let mapped = self.quantity().is_some();
+        for (given, goes, option, with) in [
+            (self.bands.is_some(), is(&[Look::Isophotes]), "--bands", "isophotes"),
+            (self.stripes.is_some(), striped, "--stripes", "zebra or highlight"),
+            (self.stripe_direction.is_some(), striped, "--stripe-direction", "zebra or highlight"),
+            (self.light.is_some(), lit, "--light", "phong, isophotes or highlight"),
+            (self.pull.is_some(), is(&[Look::Draft]), "--pull", "draft"),
+            (self.range.is_some(), mapped, "--range", "gaussian, mean, min-radius, max-radius or draft"),
+            (self.legend, mapped || is(&[Look::Isophotes]), "--legend", "isophotes or a map of numbers"),
+        ] {
+            if given && !goes {
+                bail!("{option} goes with --shade {with}");
+            }
+        }
+        for (option, vector) in [("--light", &self.light), ("--pull", &self.pull)] {
+            if vector.as_ref().is_some_and(|v| vector_of(v).try_normalize().is_none()) {
+                bail!("{option}: the direction has no length");
+            }
+        }
+        self.shading().map(|_| ())
+    }
+
+    /// How a view is painted of which `first` is seen; `length` names the model's unit.
+    pub fn painter(&self, first: &GBuffer, length: &str) -> Painter {
+        let kind = match (self.quantity(), self.shade) {
+            (Some(quantity), _) => Kind::Plotted(
+                quantity,
+                match self.range {
+                    Some(Range::Given(range)) => range,
+                    Some(Range::Auto) | None => quantity.range(first),
+                },
+            ),
+            (None, Look::Highlight) => Kind::Highlighted(Lamps {
+                count: self.stripes.unwrap_or(DEFAULT_STRIPES),
+                toward: self.light.as_deref().map_or(DVec3::new(0.0, 1.0, 1.0), vector_of),
+                turn_rad: self.stripe_direction.unwrap_or(0.0).to_radians(),
+            }),
+            (None, _) => Kind::Shaded(self.shading().expect("`check` has looked at it")),
+        };
+        Painter { kind, behind: self.background, legend: self.legend, length: length.to_owned() }
+    }
+
+    fn quantity(&self) -> Option<Quantity> {
+        let pull = || self.pull.as_deref().map_or(DVec3::Z, vector_of).normalize_or_zero();
+        match self.shade {
+            Look::Gaussian => Some(Quantity::Gaussian),
+            Look::Mean => Some(Quantity::Mean),
+            Look::MinRadius => Some(Quantity::MinRadius),
+            Look::MaxRadius => Some(Quantity::MaxRadius),
+            Look::Draft => Some(Quantity::Draft { pull: pull() }),
+            _ => None,
+        }
+    }
+
+    /// The shading; of what is no shading, its default.
+    fn shading(&self) -> Result<Shading> {
+        let shading = Shading::new(match self.shade {
+            Look::Phong => ShadeKind::Phong,
+            Look::Zebra => ShadeKind::Zebra,
+            Look::Normal => ShadeKind::Normal,
+            Look::Checker => ShadeKind::Checker,
+            Look::Face => ShadeKind::Face,
+            _ => ShadeKind::Isophotes,
+        });
+        let shading = self.bands.map_or(Ok(shading), |bands| shading.with_band_deg(bands))?;
+        let shading = self.light.as_deref().map_or(Ok(shading), |light| shading.with_light(vector_of(light)))?;
+        let shading = self.stripes.map_or(Ok(shading), |stripes| shading.with_stripes(stripes))?;
+        Ok(shading.with_stripes_turned(self.stripe_direction.unwrap_or(0.0).to_radians()))
+    }
+}
+
+fn vector_of(v: &[f64]) -> DVec3 {
+    DVec3::from_slice(v)
+}
+
+impl Painter {
+    /// The picture of a buffer.
+    ///
+    /// # Errors
+    /// Where it shows a face that the model does not have.
+    pub fn painted(&self, buffer: &GBuffer, model: &Model, camera: &Camera) -> Result<Picture> {
+        let picture = match &self.kind {
+            Kind::Shaded(shading) => buffer.shaded(shading, model, camera)?,
+            Kind::Plotted(quantity, range) => buffer.plotted(*quantity, *range),
+            Kind::Highlighted(lamps) => buffer.highlighted(lamps, model, camera)?,
+        };
+        Ok(match self.behind {
+            Some(Behind::Colour(colour)) => picture.recoloured(colour, |x, y| buffer.get(x, y).is_none()),
+            Some(Behind::Nothing) | None => picture,
+        })
+    }
+
+    /// A picture with its legend to the right, where one is asked for.
+    pub fn with_legend(&self, picture: &Picture) -> Picture {
+        let legend = match &self.kind {
+            _ if !self.legend => None,
+            Kind::Shaded(shading) => shading.legend(picture.height()),
+            Kind::Plotted(quantity, range) => Some(quantity.legend(*range, &self.length, picture.height())),
+            Kind::Highlighted(_) => None,
+        };
+        Picture::beside(&[picture].into_iter().chain(&legend).collect::<Vec<_>>())
+    }
+
+    /// The bytes of the PNG file of a picture with its legend. `seen` says in how many of its `samples` each pixel shows the
+    /// model: with nothing behind it, it is as opaque as that.
+    ///
+    /// # Errors
+    /// Where it is too large for the format.
+    pub fn png(&self, picture: &Picture, seen: &[u32], samples: usize) -> Result<Vec<u8>> {
+        let whole = self.with_legend(picture);
+        if self.behind != Some(Behind::Nothing) {
+            return Ok(whole.png(None)?);
+        }
+        let opaque = |i: usize| {
+            let (x, y) = (i % whole.width(), i / whole.width());
+            let is_model = x < picture.width() && y < picture.height();
+            let share = |seen: u32| (255.0 * f64::from(seen) / samples as f64).round() as u8;
+            if is_model { share(seen[y * picture.width() + x]) } else { 255 }
+        };
+        let alpha: Vec<u8> = (0..whole.width() * whole.height()).map(opaque).collect();
+        Ok(whole.png(Some((&alpha, background())))?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_and_colours_are_read_or_refused() {
+        assert_eq!(range("auto"), Ok(Range::Auto));
+        assert_eq!(range("-0.5:1e-3"), Ok(Range::Given([-0.5, 1e-3])));
+        for text in ["1:1", "2:1", "nan:1", "0:inf", "1", ":", ""] {
+            assert!(range(text).is_err(), "{text}");
+        }
+        assert_eq!(behind("#0a14ff"), Ok(Behind::Colour([10, 20, 255])));
+        assert_eq!((behind("white"), behind("transparent")), (Ok(Behind::Colour([255; 3])), Ok(Behind::Nothing)));
+        for text in ["#12345", "#1234567", "#gggggg", "puce", "", "#äöü"] {
+            assert!(behind(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! `render`: one renderer, one picture or G-buffer.
+
+use crate::antialias::Antialias;
+use crate::approximate::ApproximateArgs;
+use crate::compare::DrawingArgs;
+use crate::look::{LookArgs, Painter};
+use crate::masks::MaskReport;
+use crate::output;
+use crate::overlay::Overlay;
+use crate::say;
+use crate::stage::{Plan, Stage};
+use crate::terminal;
+use crate::view::{ModelArgs, ViewArgs};
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use continuity::{Class, Settings, report};
+use formats::Document;
+use gbuffer::{GBuffer, Picture};
+use raycast::Caster;
+use scene::{Camera, Model, Viewport};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// Render a model to a picture, a G-buffer or the terminal
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  isophote render part.step --view iso --out part.png
+  isophote render teapot --shade zebra --stripes 31 --out zebra.png
+  isophote render part.step --shade mean --legend --out mean.png")]
+pub struct RenderArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    drawing: DrawingArgs,
+    #[command(flatten)]
+    approximate: ApproximateArgs,
+    /// The renderer
+    #[arg(long, help_heading = "Drawing", value_enum, default_value = "raster")]
+    with: With,
+    #[command(flatten)]
+    look: LookArgs,
+    /// Write the picture to this PNG file, or to standard output (`-`)
+    ///
+    /// Folders on the way are made. What cannot be written is refused before anything is drawn.
+    #[arg(long, help_heading = "Output", value_name = "X.png")]
+    out: Option<PathBuf>,
+    /// Smooth edges
+    ///
+    /// With 4, 8 or 16 a pixel is the mean of so many samples, in linear light; `trims` smooths trim edges alone, at one.
+    #[arg(long, help_heading = "Output", value_enum, default_value = "none")]
+    antialias: Antialias,
+    /// Write the G-buffer to this NumPy file
+    ///
+    /// With --antialias there is one a sample, X-0.npz, X-1.npz …, each with the lens shift of its sample in its camera, so
+    /// that `compare` judges it by itself.
+    #[arg(long, help_heading = "Output", value_name = "X.npz")]
+    gbuffer: Option<PathBuf>,
+    /// Draw shared edges by their class
+    ///
+    /// A is green, B blue, C orange, undecided purple, none red; free ones are grey.
+    #[arg(long, help_heading = "Output", value_enum)]
+    overlay: Option<OverlayKind>,
+}
+
+/// What is drawn over a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum OverlayKind {
+    /// What `continuity` says of the edges
+    Continuity,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum With {
+    /// The CPU rasterizer, f32
+    Raster,
+    /// The GPU, f32
+    Gpu,
+    /// The ray caster, f64
+    Raycast,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where input is bad, there is no adapter, or a file cannot be written.
+pub fn run(args: &RenderArgs) -> Result<()> {
+    // Before a large file is read for nothing.
+    args.look.check()?;
+    args.out.iter().filter(|path| !output::is_standard(path)).try_for_each(|path| output::check(path, "png"))?;
+    args.gbuffer.iter().try_for_each(|path| output::check(path, "npz"))?;
+    let Document { model: original, unit, .. } = args.model.document()?;
+    let viewport = args.view.viewport()?;
+    let camera = args.view.camera(&original, viewport)?;
+    let drawn = args.approximate.drawn(&original, &camera, viewport)?;
+    let model = drawn.as_ref().map_or(&original, |drawn| &drawn.model);
+    if let Some(drawn) = &drawn {
+        terminal::note(format_args!("{}", drawn.facts.line()));
+    }
+    let count = args.antialias.pattern().positions().len();
+    let mut paths = args.gbuffer.as_ref().map(|path| files(path, count).into_iter());
+    let shows = args.out.is_some() || (args.gbuffer.is_none() && terminal::is_terminal());
+    let bar = (count > 1).then(|| terminal::progress("samples", count));
+    let overlay = args.overlay.filter(|_| shows).map(|OverlayKind::Continuity| {
+        let millimetres = unit.as_ref().map_or(1.0, |unit| unit.millimetres);
+        let limits = Class::A.limits().in_units_of(millimetres);
+        Overlay::of(&report(&original, Settings { millimetres, ..Settings::new(limits, &original) }))
+    });
+    let length = unit.as_ref().map_or("unit", |unit| &unit.name);
+    let (mut covered, mut open, mut pictures, mut painter) = (0, 0, vec![], None::<Painter>);
+    let mut seen = vec![0u32; viewport.pixels()];
+    each_sample(args, model, camera, viewport, |camera, buffer| {
+        if let Some(path) = paths.as_mut().and_then(Iterator::next) {
+            buffer.write_npz(path)?;
+        }
+        covered += buffer.covered();
+        open += buffer.undecided();
+        if shows {
+            // A range that is found is that of the first sample.
+            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length));
+            let picture = painter.painted(&buffer, model, camera)?;
+            seen.iter_mut().zip(buffer.pixels()).for_each(|(seen, hit)| *seen += u32::from(hit.is_some()));
+            let picture = if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture };
+            pictures.push(match &overlay {
+                Some(overlay) => overlay.drawn(&picture, &buffer, camera)?,
+                None => picture,
+            });
+        }
+        bar.iter().for_each(|bar| bar.inc(1));
+        Ok(())
+    })?;
+    drop(bar);
+    if open > 0 {
+        terminal::note(format_args!("warning: {open} pixels have no answer: their searches did not converge"));
+    }
+    if let Some(painter) = painter {
+        let picture = Picture::average(&pictures)?;
+        match &args.out {
+            Some(path) => output::write(path, &painter.png(&picture, &seen, count)?)?,
+            None => terminal::show(&painter.with_legend(&picture))?,
+        }
+    }
+    if args.out.is_none() && args.gbuffer.is_none() {
+        let samples = if count > 1 { format!(", {count} samples each,") } else { String::new() };
+        say!(
+            "{} of {} pixels{samples} covered (--out X.png or --gbuffer X.npz keeps them)",
+            covered as f64 / count as f64,
+            viewport.pixels()
+        )?;
+    }
+    Ok(())
+}
+
+/// Gives the samples' cameras and G-buffers to `keep`, one after the other.
+fn each_sample(
+    args: &RenderArgs,
+    model: &Model,
+    camera: Camera,
+    viewport: Viewport,
+    mut keep: impl FnMut(&Camera, GBuffer) -> Result<()>,
+) -> Result<()> {
+    let pattern = args.antialias.pattern();
+    let edges = args.antialias == Antialias::Trims;
+    let stage = || {
+        let stage = Stage::new(model, camera, viewport, Plan { edges, ..args.drawing.plan() })?;
+        if let Some(note) = MaskReport::of(&stage).and_then(|masks| masks.note) {
+            terminal::note(format_args!("note: {note}"));
+        }
+        anyhow::Ok(stage)
+    };
+    match args.with {
+        With::Raster => stage()?.samples(pattern).try_for_each(|sample| keep(&sample.camera, sample.raster())),
+        With::Gpu => {
+            let device = gpu::Device::open(args.drawing.adapter.as_deref())?;
+            let stage = stage()?;
+            let mut renderer = stage.renderer(&device, gpu::Overrides::default())?;
+            let mut draw = |sample: &Stage| anyhow::Ok(sample.drawn_by(&mut renderer, None)?.gbuffer);
+            stage.samples(pattern).try_for_each(|sample| keep(&sample.camera, draw(&sample)?))
+        }
+        With::Raycast => {
+            let caster = Caster::new(model).with_edges(edges);
+            let cast = |camera: &Camera| {
+                let bar = terminal::progress("raycast", viewport.height());
+                caster.render(camera, viewport, &|rows| bar.inc(rows as u64))
+            };
+            pattern.cameras(&camera, viewport).iter().try_for_each(|camera| keep(camera, cast(camera)))
+        }
+    }
+}
+
+/// A file a sample: the one that was named, or, of several samples, X-0.npz, X-1.npz and so on beside it.
+fn files(path: &Path, count: usize) -> Vec<PathBuf> {
+    if count == 1 {
+        return vec![path.to_owned()];
+    }
+    let name = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, extension) = (name(path.file_stem()), name(path.extension()));
+    let dot = if extension.is_empty() { "" } else { "." };
+    (0..count).map(|k| path.with_file_name(format!("{stem}-{k}{dot}{extension}"))).collect()
+}
