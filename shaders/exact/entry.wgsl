@@ -56,6 +56,9 @@ struct Batch {
     unconverged: u32,
     evaluations: u32,
     large: u32,
+    // Whether it is this batch that clears pixels that see nothing, and to what.
+    clears: u32,
+    nothing: vec4<f32>,
 }
 
 @group(1) @binding(0) var<storage, read> pieces: array<PieceRecord>;
@@ -244,6 +247,14 @@ fn shown_at(at: vec2<u32>) -> u32 {
     return select(0u, shown, meetings[shown - 1u].piece - batch.first < batch.count);
 }
 
+// Whether a pixel sees nothing of any batch, and it is this one that says so.
+fn is_cleared(at: vec2<u32>) -> bool {
+    return batch.clears != 0u
+        && at.x < batch.width
+        && at.y < batch.height
+        && atomicLoad(&picture.words[2u * (at.y * batch.width + at.x) + 1u]) == 0u;
+}
+
 fn met_at(meeting: Meeting) -> Parameters {
     let piece = pieces[meeting.piece];
     return Parameters(vec2<u32>(piece.span_u, piece.span_v), vec2<f32>(meeting.u, meeting.v));
@@ -254,6 +265,9 @@ fn met_at(meeting: Meeting) -> Parameters {
 fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
     let shown = shown_at(id.xy);
     if (shown == 0u) {
+        if (is_cleared(id.xy)) {
+            clear_gbuffer(id.xy, batch.nothing);
+        }
         return;
     }
     let meeting = meetings[shown - 1u];
@@ -265,6 +279,9 @@ fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
 fn resolve_shaded(@builtin(global_invocation_id) id: vec3<u32>) {
     let shown = shown_at(id.xy);
     if (shown == 0u) {
+        if (is_cleared(id.xy)) {
+            clear_shaded(id.xy, batch.nothing);
+        }
         return;
     }
     let meeting = meetings[shown - 1u];

@@ -21,6 +21,20 @@ pub struct Stamps<'a> {
     pub start: u32,
 }
 
+impl Stamps<'_> {
+    /// The clock starts before what is encoded from here on.
+    pub fn begin(self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("start"),
+            timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
+                query_set: self.set,
+                beginning_of_pass_write_index: Some(self.start),
+                end_of_pass_write_index: None,
+            }),
+        });
+    }
+}
+
 impl Queries {
     /// Frames of so many parts that one set has room for.
     pub(crate) fn frames_a_set(parts: usize) -> usize {

@@ -29,7 +29,7 @@ impl Output {
     }
 
     /// What a target holds where nothing is drawn.
-    pub fn cleared(self, target: usize) -> wgpu::Color {
+    fn cleared(self, target: usize) -> wgpu::Color {
         let all = |x: f64| wgpu::Color { r: x, g: x, b: x, a: x };
         match (self, target) {
             (Output::GBuffer, 0) => all(0.0),
@@ -76,6 +76,12 @@ impl Targets {
     /// The targets as a render pass that clears them has them.
     pub fn cleared(&self) -> Vec<Option<wgpu::RenderPassColorAttachment<'_>>> {
         self.attached(|target| wgpu::LoadOp::Clear(self.output.cleared(target)))
+    }
+
+    /// What a kernel writes where nothing is drawn, to targets of floats; those of whole numbers hold zeros.
+    pub fn nothing(&self) -> [f32; 4] {
+        let wgpu::Color { r, g, b, a } = self.output.cleared(self.colours.len() - 1);
+        [r, g, b, a].map(|x| x as f32)
     }
 
     /// The targets as a render pass that keeps what is there has them.

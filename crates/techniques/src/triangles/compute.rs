@@ -215,9 +215,7 @@ impl Fed {
     /// A call a batch and round.
     fn calls(&self, targets: &Targets) -> Vec<Call> {
         let all_counts = COUNTS * self.rounds * self.batches.len();
-        // The first target of a G-buffer holds whole numbers, zeros.
-        let wgpu::Color { r, g, b, a } = targets.output.cleared(targets.colour_views.len() - 1);
-        let nothing = [r, g, b, a].map(|x| x as f32);
+        let nothing = targets.nothing();
         let call = |(index, &(_, [first, count])): (usize, &(Program, [u32; 2])), round: usize| Call {
             first,
             count,
@@ -401,15 +399,8 @@ impl Frame for Covered {
         stamps: Option<Stamps<'_>>,
     ) {
         let batches = self.batches();
-        if let Some(Stamps { set, start }) = stamps {
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("start"),
-                timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
-                    query_set: set,
-                    beginning_of_pass_write_index: Some(start),
-                    end_of_pass_write_index: None,
-                }),
-            });
+        if let Some(stamps) = stamps {
+            stamps.begin(encoder);
         }
         // The first batch clears what nothing covers; the rasterizer takes longer for that.
         if batches.first().is_none_or(|&(index, ..)| index != 0) {

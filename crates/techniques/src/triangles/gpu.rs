@@ -229,15 +229,8 @@ impl<F: Feed> Frame for Drawn<F> {
         };
         let (width, height) = (targets.viewport.width() as f32, targets.viewport.height() as f32);
         // The clock starts before what the first step computes.
-        if let Some(Stamps { set, start }) = stamps {
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("start"),
-                timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
-                    query_set: set,
-                    beginning_of_pass_write_index: Some(start),
-                    end_of_pass_write_index: None,
-                }),
-            });
+        if let Some(stamps) = stamps {
+            stamps.begin(encoder);
         }
         // A picture of nothing is cleared, too.
         let steps = self.fed.steps().max(1);

@@ -35,7 +35,9 @@ struct BatchUniform {
     unconverged: u32,
     evaluations: u32,
     large: u32,
-    padding: [u32; 57],
+    clears: u32,
+    nothing: [f32; 4],
+    padding: [u32; 52],
 }
 
 /// The pieces of a program, in drawing order.
@@ -100,7 +102,9 @@ impl Picture {
             unconverged: unconverged as u32,
             evaluations: evaluations as u32,
             large: (large + index) as u32,
-            padding: [0; 57],
+            clears: u32::from(index == 0),
+            nothing: targets.nothing(),
+            padding: [0; 52],
         };
         let mut batches: Vec<_> = shared.ranges.iter().enumerate().map(batch).collect();
         if batches.is_empty() {
