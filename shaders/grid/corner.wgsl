@@ -3,7 +3,7 @@
 
 const LOW_U: u32 = 1u;
 const LOW_V: u32 = 4u;
-const BEYOND: f32 = 1.0;
+const BEYOND: f32 = 1.0 / 65536.0;
 const STEEPEST: f32 = 0.0625;
 
 struct CornerRecord {

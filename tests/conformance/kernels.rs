@@ -57,15 +57,16 @@ fn judged(scene: Scene, path: Path, overrides: gpu::Overrides) -> Vec<PairReport
     let model = model_of(scene);
     let viewport = Viewport::new(96, 72).expect("a legal size");
     let (center, size) = (model.hull().center(), model.hull().diagonal());
-    let camera = match scene {
-        Scene::Framed => Camera::framing(&model, viewport),
+    let (chord_px, camera) = match scene {
+        Scene::Framed => (1.0, Camera::framing(&model, viewport)),
         Scene::Inside => {
             let (eye, target) =
                 (center + size * DVec3::new(0.02, 0.03, 0.05), center + size * DVec3::new(0.4, 0.3, -0.1));
-            Camera::look_at(eye, target, DVec3::Z, Projection::Perspective { fov_deg: 60.0 }).expect("a legal camera")
+            let projection = Projection::Perspective { fov_deg: 60.0 };
+            (8.0, Camera::look_at(eye, target, DVec3::Z, projection).expect("a legal camera"))
         }
     };
-    let stage = Stage::new(&model, camera, viewport, Plan { path, chord_px: 1.0, ..Plan::default() }).expect("a stage");
+    let stage = Stage::new(&model, camera, viewport, Plan { path, chord_px, ..Plan::default() }).expect("a stage");
     let caster = Caster::new(&model);
     let (rays, raster) = (stage.raycast(&caster), stage.raster());
     let on_gpu = stage.gpu(&device, None, overrides).expect("the GPU draws").gbuffer;

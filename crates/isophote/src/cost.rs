@@ -30,7 +30,7 @@ pub struct Cost {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gpu_ms: Option<f64>,
     /// Medians of the frame's parts by the same clock, by name.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip)]
     pub parts_ms: Vec<(&'static str, f64)>,
     /// What a frame takes of the thread that encodes and submits it, by that thread's clock: what drivers and devices do in
     /// other threads does not count. Absent where no such clock is.

@@ -33,10 +33,10 @@ pub const SKIRT_REACH_PX: f32 = 32.0;
 
 /// The farthest that it leads where a fragment of a skirt is decided: Newton's method has come to the ray. A sliver's parameters,
 /// interpolated beyond the triangle, may be anywhere, and a surface may bend away from its border within a pixel.
-pub const SKIRT_FOUND_PX: f32 = 0.25;
+pub const SKIRT_FOUND_PX: f32 = 1.0 / 16.0;
 
 /// How often a fragment of a skirt is led on.
-pub const SKIRT_STEPS: u32 = 4;
+pub const SKIRT_STEPS: u32 = 6;
 
 /// Below this determinant, as a share of the squared columns, the columns count as nearly parallel.
 pub const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;

@@ -60,7 +60,7 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "swapped u and v",
-        replace: &[("Parameters(in.span, in.uv);", "Parameters(in.span.yx, in.uv.yx);")],
+        replace: &[("Parameters(in.span, in.uv),", "Parameters(in.span.yx, in.uv.yx),")],
         // Where there are as many spans along v as along u.
         scenes: &[Scene::Bicubic, Scene::Rational],
         cause: Cause::Parameters,
@@ -124,7 +124,7 @@ const FAULTS: &[Fault] = &[
     },
     Fault {
         name: "parameters interpolated to three bits",
-        replace: &[("Parameters(in.span, in.uv);", "Parameters(in.span, floor(in.uv * 8.0) / 8.0);")],
+        replace: &[("Parameters(in.span, in.uv),", "Parameters(in.span, floor(in.uv * 8.0) / 8.0),")],
         scenes: SURFACES,
         cause: Cause::Interpolation,
     },

@@ -83,7 +83,7 @@ pub struct DrawingArgs {
     #[arg(long, value_parser = technique::parser(), default_value = technique::default())]
     technique: &'static dyn Technique,
     /// Who finds the triangles on the GPU: its own rasterizer, or compute kernels with the CPU rasterizer's coverage to the bit
-    #[arg(long, value_enum, default_value = "fragment")]
+    #[arg(long, value_enum, default_value = "fragment", hide_short_help = true)]
     path: PathName,
     /// Programs of a few specialised degrees, or one for any
     #[arg(long, hide_short_help = true, value_enum, default_value = "specialised")]

@@ -1,14 +1,11 @@
 //! The corners of a tessellation: a grid a span, with a skirt where loops bound the face.
 
-use crate::triangles::STEEPEST;
+use crate::triangles::{BEYOND, STEEPEST};
 use glam::{DVec2, DVec3};
 use nurbs::{Direction, FirstDerivatives};
 use pipeline::{PackedScene, Parameters, SEARCHED, Vertex};
 use scene::{Camera, FaceId, Model, Projection, Region};
 use std::ops::Range;
-
-/// How far beyond the domain the parameters of a skirt's corners are, in spans: any number says that they are beyond.
-const BEYOND: f32 = 1.0;
 
 /// The corners of a part of a face: a grid of them.
 pub(super) struct Grid {

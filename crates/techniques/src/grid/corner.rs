@@ -5,13 +5,10 @@
 //! of them move to the one before. The cell becomes a triangle there, and no gap opens.
 
 use super::record::{GridRecord, LOW_U, LOW_V};
-use crate::triangles::STEEPEST;
+use crate::triangles::{BEYOND, STEEPEST};
 use pipeline::fragment::{TangentPlane, fragment, tangent_plane};
 use pipeline::sight::dot;
 use pipeline::{PackedScene, Parameters, Vertex, View};
-
-/// How far beyond the patch the parameters of a skirt's corners are, in spans: any number says that they are beyond.
-pub const BEYOND: f32 = 1.0;
 
 /// A line of a grid: its parameter, and to which side of the patch it lies beyond it.
 #[derive(Clone, Copy)]

@@ -386,7 +386,6 @@ mod tests {
             let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
             module.global_expressions[constant.init].clone()
         };
-        use super::super::corner::BEYOND;
         use super::super::levels::{NEAREST_SHARE, ROUNDING, SKIRT_PX, WIDE};
         use super::super::record::OUT;
         use super::super::tiles::GREATEST_SIDE;
@@ -406,7 +405,7 @@ mod tests {
             ("ROUNDING", ROUNDING),
             ("NEAREST_SHARE", NEAREST_SHARE),
             ("SKIRT_PX", SKIRT_PX),
-            ("BEYOND", BEYOND),
+            ("BEYOND", crate::triangles::BEYOND),
             ("STEEPEST", crate::triangles::STEEPEST),
         ] {
             assert_eq!(constant(name), Expression::Literal(Literal::F32(value)), "{name}");
