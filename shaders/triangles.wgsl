@@ -34,20 +34,18 @@ fn shown(in: Sample) -> Shown {
         let at = footprint(pixel, f.whole, f.position, f.su, f.sv, REACH_PX);
         let on_skirt = is_on_skirt(face, in.given);
         let is_far = on_skirt && at.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX;
-        if (is_far && steps < SKIRT_STEPS) {
-            // The place decides to which the tangent plane leads.
-            given = nearest_on_span(face, f, pixel);
-            steps += 1u;
-            continue;
-        }
-        if (is_far || !is_shown(face, at)) {
-            return Shown(f, false);
-        }
-        if (!on_skirt) {
-            break;
+        // Where it is far, the place decides to which the tangent plane leads.
+        if (!is_far || steps == SKIRT_STEPS) {
+            if (is_far || !is_shown(face, at)) {
+                return Shown(f, false);
+            }
+            if (!on_skirt) {
+                break;
+            }
+            is_last = true;
         }
         given = nearest_on_span(face, f, pixel);
-        is_last = true;
+        steps += 1u;
     }
     return Shown(f, true);
 }
