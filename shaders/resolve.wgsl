@@ -1,6 +1,9 @@
 // What is seen becomes what is written, by compute kernels: once a pixel, whoever found it.
 // Uses fragment.wgsl output.wgsl
 
+// Side of the square of pixels that a workgroup resolves.
+const TILE: u32 = 8u;
+
 @group(2) @binding(0) var identity_target: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(1) var position_target: texture_storage_2d<rgba32float, write>;
 @group(2) @binding(2) var normal_target: texture_storage_2d<rgba32float, write>;

@@ -7,8 +7,6 @@ const WORKGROUP: u32 = 64u;
 // Threads that share a small hull, and the pixels of its rectangle at most.
 const LANES: u32 = 8u;
 const SMALL: u32 = 64u;
-// Side of the square of pixels that a workgroup resolves.
-const TILE: u32 = 8u;
 
 // By how much a hull's rectangle is wider than its corners, pixels: hulls are grown by 1/16, projecting rounds by less.
 const MARGIN_PX: f32 = 1.0 / 64.0;

@@ -8,8 +8,6 @@ const SMALL_ROWS: i32 = 24;
 const SMALL_AREA: f32 = 48.0;
 // Threads that share a row of a triangle that is not small.
 const ALONG: u32 = 8u;
-// Side of the square of pixels that a workgroup resolves.
-const TILE: u32 = 8u;
 // Words of a vertex: position, (u, v), face, spans, normal, and the face whose coordinates the position has.
 const VERTEX: u32 = 12u;
 

@@ -1,4 +1,4 @@
-//! Bind groups, their layouts, and the compute pipelines that take them.
+//! Bind groups, their layouts, the compute pipelines that take them, and how many workgroups these run in.
 
 use crate::modules::as_shader_error;
 use crate::{Device, GpuError};
@@ -16,6 +16,12 @@ pub const UNIFORM: BindingType = buffer(BufferBindingType::Uniform, false);
 
 /// A uniform buffer of which each call takes another part.
 pub const UNIFORM_AT: BindingType = buffer(BufferBindingType::Uniform, true);
+
+/// Bytes between the parts of a buffer that calls take one by one: the greatest alignment that WebGPU allows an adapter to ask for.
+pub const PART_STRIDE: usize = 256;
+
+/// Workgroups in one dimension of a dispatch: what WebGPU promises.
+const ROW: u32 = 65_535;
 
 const fn buffer(ty: BufferBindingType, has_dynamic_offset: bool) -> BindingType {
     BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
@@ -80,6 +86,12 @@ impl Device {
     }
 }
 
+/// Workgroups of a dispatch for `count` threads or pieces, so many a group, in rows of equal length.
+pub fn workgroups(count: u32, a_group: u32) -> [u32; 2] {
+    let groups = count.div_ceil(a_group);
+    [groups.min(ROW), groups.div_ceil(ROW)]
+}
+
 /// Whole buffers at bindings 0, 1, 2 …
 pub fn whole<'b>(
     buffers: impl IntoIterator<Item = &'b wgpu::Buffer>,
@@ -90,4 +102,17 @@ pub fn whole<'b>(
 /// The first `size` bytes of a buffer, from which calls count their offsets.
 pub fn part(buffer: &wgpu::Buffer, size: u64) -> BindingResource<'_> {
     BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size: wgpu::BufferSize::new(size) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dispatch_has_room_for_all_pieces_in_rows_that_are_allowed() {
+        for count in [1, 64, 65, 8 * ROW, 8 * ROW + 1, 1 << 24] {
+            let [x, y] = workgroups(count, 8);
+            assert!(x <= ROW && y <= ROW && u64::from(x) * u64::from(y) * 8 >= u64::from(count), "{count}: {x} x {y}");
+        }
+    }
 }

@@ -2,6 +2,8 @@
 
 use gpu::{Device, Output, Targets};
 use pipeline::wgsl::Part;
+use scene::Viewport;
+use std::collections::HashMap;
 use wgpu::ShaderStages;
 
 /// What is seen becomes what is written.
@@ -15,8 +17,41 @@ fn first_target(output: Output) -> u32 {
     }
 }
 
+/// Side of the square of pixels that a workgroup resolves, in `shaders/resolve.wgsl`.
+pub const TILE: u32 = 8;
+
+/// Layouts of group 2 and of the pipelines of the kernels that write the targets of an output.
+pub type Layouts = HashMap<Output, (wgpu::BindGroupLayout, wgpu::PipelineLayout)>;
+
+/// The layouts of both outputs, where groups 0 and 1 have these.
+pub fn layouts(device: &Device, label: &str, groups: [&wgpu::BindGroupLayout; 2]) -> Layouts {
+    let of_output = |output| {
+        let targets = layout(device, output);
+        let pipeline = device.pipeline_layout(label, &[Some(groups[0]), Some(groups[1]), Some(&targets)]);
+        (output, (targets, pipeline))
+    };
+    HashMap::from([Output::GBuffer, Output::Shaded].map(of_output))
+}
+
+/// Workgroups that resolve a picture.
+pub fn tiles(viewport: Viewport) -> [u32; 2] {
+    [viewport.width(), viewport.height()].map(|pixels| (pixels as u32).div_ceil(TILE))
+}
+
+/// Clears the targets unless the call numbered 0 is the first that is run: that one clears what nothing is seen in, and the
+/// rasterizer takes longer for it.
+pub fn clear_unless_first(encoder: &mut wgpu::CommandEncoder, targets: &Targets, first: Option<usize>) {
+    if first != Some(0) {
+        drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("clear"),
+            color_attachments: &targets.cleared(),
+            ..Default::default()
+        }));
+    }
+}
+
 /// The layout of group 2: an output's targets.
-pub fn layout(device: &Device, output: Output) -> wgpu::BindGroupLayout {
+fn layout(device: &Device, output: Output) -> wgpu::BindGroupLayout {
     let texture = |&format| wgpu::BindingType::StorageTexture {
         access: wgpu::StorageTextureAccess::WriteOnly,
         format,

@@ -1,5 +1,8 @@
 //! Triangles drawn by kernels: who covers a pixel, and who is nearest there, to the bit as on the CPU.
 
+mod common;
+
+use common::software;
 use gbuffer::{GBuffer, Hit, Meta};
 use glam::{DVec2, DVec3};
 use gpu::{Atomics, DepthOrder, Device, Overrides, Renderer, RendererOptions};
@@ -8,10 +11,6 @@ use raster::{Drawing, Rasterizer};
 use scene::{Camera, Model, Projection, Viewport};
 use std::sync::Arc;
 use techniques::{ByCompute, Limits, Prepared, Setting};
-
-fn software() -> Device {
-    Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`")
-}
 
 /// All forms of atomics that the device has.
 fn atomics(device: &Device) -> Vec<Atomics> {

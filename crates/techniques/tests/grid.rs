@@ -1,7 +1,10 @@
 //! Technique `grid`: where its corners are, and that grids meet vertex on vertex.
 
+mod common;
+
+use common::{Random, software};
 use glam::DVec3;
-use gpu::{Device, Drawable, Renderer, RendererOptions};
+use gpu::{Drawable, Renderer, RendererOptions};
 use nurbs::{Direction, KnotVector, Surface};
 use pipeline::{PackedScene, Scheme};
 use raster::Drawing;
@@ -74,24 +77,10 @@ fn no_triangle_is_farther_from_its_face_than_the_chord_says() {
     }
 }
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    /// From 0 to 1.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        let z = 2.0 * self.unit() - 1.0;
-        let angle = std::f64::consts::TAU * self.unit();
-        DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
-    }
+fn direction(random: &mut Random) -> DVec3 {
+    let z = 2.0 * random.unit() - 1.0;
+    let angle = std::f64::consts::TAU * random.unit();
+    DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
 }
 
 /// The surface with u and v exchanged, or with u turned round.
@@ -137,10 +126,10 @@ fn odd_positions(model: &Model, technique: &dyn Technique, views: usize, levels:
     let mut odd = 0;
     let size = model.hull().diagonal();
     for _ in 0..views {
-        let eye = model.hull().center() + random.direction() * size * (0.8 + random.unit());
-        let target = model.hull().center() + random.direction() * size * 0.2;
+        let eye = model.hull().center() + direction(&mut random) * size * (0.8 + random.unit());
+        let target = model.hull().center() + direction(&mut random) * size * 0.2;
         let projection = Projection::Perspective { fov_deg: 40.0 };
-        let Ok(camera) = Camera::look_at(eye, target, random.direction(), projection) else { continue };
+        let Ok(camera) = Camera::look_at(eye, target, direction(&mut random), projection) else { continue };
         let chord_px = 40.0f64.powf(random.unit()) * 0.05;
         let prepared = technique.prepare(&setting(model, &scene, &camera, viewport, chord_px)).expect("prepared");
         if let Ok(grids) = (&*prepared as &dyn Drawable).of::<Grids>("grid") {
@@ -172,7 +161,7 @@ fn a_closed_surface_in_pieces_has_no_crack_at_any_mix_of_levels() {
 /// The device draws what the twin draws, in which no ray passes between two grids: every pixel shows the same side of the body.
 #[test]
 fn no_pixel_of_the_device_shows_what_lies_behind_a_closed_surface() {
-    let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
+    let device = software();
     let viewport = Viewport::new(48, 48).expect("a legal size");
     for name in ["torus", "sphere"] {
         let model = in_pieces(name);
@@ -180,10 +169,9 @@ fn no_pixel_of_the_device_shows_what_lies_behind_a_closed_surface() {
         let (size, center) = (model.hull().diagonal(), model.hull().center());
         let mut random = Random(11);
         let looks = |random: &mut Random| {
-            let eye = center + random.direction() * size * (0.55 + random.unit());
+            let eye = center + direction(random) * size * (0.55 + random.unit());
             let projection = Projection::Perspective { fov_deg: 40.0 };
-            Camera::look_at(eye, center + random.direction() * size * 0.2, random.direction(), projection)
-                .expect("legal")
+            Camera::look_at(eye, center + direction(random) * size * 0.2, direction(random), projection).expect("legal")
         };
         let (mut levels, mut covered) = (BTreeSet::new(), 0);
         for error_px in [0.1, 1.0, 6.0] {
@@ -251,7 +239,7 @@ fn borders_of_other_degrees_between_the_same_ends_are_not_taken_for_one() {
 /// A weight that is a thousand times the others' cuts its patch into parts: then there are more grids, and all are uploaded.
 #[test]
 fn an_edit_shows_on_the_device_what_the_edited_model_shows() {
-    let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
+    let device = software();
     let model = models::builtin("rational").expect("built in");
     let surface = &model.surfaces()[0];
     let middle = surface.points().len() / 2;

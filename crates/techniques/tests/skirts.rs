@@ -1,7 +1,10 @@
 //! The skirts of bounded faces: what a ray meets of a face, its triangles show, however the face's border is seen.
 
+mod common;
+
+use common::{Random, software};
 use glam::{DVec2, DVec3};
-use gpu::{Device, Renderer, RendererOptions};
+use gpu::{Renderer, RendererOptions};
 use nurbs::{KnotVector, Surface};
 use pipeline::{PackedScene, Scheme};
 use raster::Drawing;
@@ -11,23 +14,6 @@ use techniques::{Limits, Setting, Technique};
 
 /// Pixels along the sides of a picture.
 const SIDES: [usize; 2] = [48, 36];
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-}
 
 fn clamped(degree: usize) -> KnotVector {
     KnotVector::new(degree, [vec![0.0; degree + 1], vec![1.0; degree + 1]].concat()).expect("legal")
@@ -157,7 +143,7 @@ impl Wrong {
 
 /// The three techniques by triangles, on the CPU and on a device.
 fn seen_at_a_slant(model: &Model, views: usize) -> [Wrong; 2] {
-    let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
+    let device = software();
     let viewport = Viewport::new(SIDES[0], SIDES[1]).expect("a legal size");
     let scene = PackedScene::new(model, Scheme::Specialised).expect("it packs");
     let caster = Caster::new(model);

@@ -1,6 +1,9 @@
 //! Technique `zones`: a picture in many steps is that in one, and steps are within their limits.
 
-use gpu::{Device, Renderer, RendererOptions};
+mod common;
+
+use common::software;
+use gpu::{Renderer, RendererOptions};
 use pipeline::fragment::Fragment;
 use pipeline::{PackedScene, Scheme};
 use scene::{Camera, Model, Viewport};
@@ -19,7 +22,7 @@ fn grids(model: &Model, camera: &Camera, scene: &PackedScene) -> Grids {
 
 #[test]
 fn many_steps_show_what_one_shows_and_what_technique_grid_shows() {
-    let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
+    let device = software();
     for name in ["teapot", "islands"] {
         let model = models::builtin(name).expect("built in");
         let camera = Camera::framing(&model, viewport());
@@ -76,7 +79,7 @@ fn a_batch_holds_so_many_whole_patches_and_a_patch_that_is_too_fine_for_it_is_na
 
 #[test]
 fn no_grid_is_a_picture_of_nothing() {
-    let device = Device::open(Some("llvmpipe")).expect("`apt-get install mesa-vulkan-drivers libvulkan1`");
+    let device = software();
     let viewport = Viewport::new(16, 16).expect("a legal size");
     let model = models::builtin("teapot").expect("built in");
     let scene = PackedScene::new(&model, Scheme::Specialised).expect("it packs");

@@ -1,6 +1,7 @@
 //! Suite `paths`: frames of one technique by the GPU's rasterizer and by compute kernels, side by side.
 
 use super::agree::disagreement;
+use super::sample::Sample;
 use anyhow::{Result, bail};
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use isophote::cost::{self, Patience};
@@ -74,34 +75,33 @@ pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format:
         }
         let viewport = Viewport::new(size[0], size[1])?;
         let camera = Camera::framing(&model, viewport);
-        let stage = Stage::new(&model, camera, viewport, Plan { path: PATHS[1].0, ..plan })?;
-        let mut times = [(); PATHS.len()].map(|()| (vec![], vec![], vec![]));
+        let mut stage = Stage::new(&model, camera, viewport, Plan { path: PATHS[1].0, ..plan })?;
+        let sample = || Sample::new(name, "ms", None);
+        let mut times = PATHS.map(|_| (sample(), sample(), vec![]));
         let patience = Patience { frames: frames.max(64), seconds: SECONDS };
         for _ in 0..rounds {
-            for ((path, _), (frame_ms, gpu_ms, parts_ms)) in PATHS.into_iter().zip(&mut times) {
-                let cost = cost::on_gpu(&stage.by_path(path), device, patience)?;
-                frame_ms.push(cost.frame_ms);
-                gpu_ms.extend(cost.gpu_ms);
+            for ((path, _), (frame, gpu, parts_ms)) in PATHS.into_iter().zip(&mut times) {
+                stage.plan.path = path;
+                let cost = cost::on_gpu(&stage, device, patience)?;
+                frame.values.push(cost.frame_ms);
+                gpu.values.extend(cost.gpu_ms);
                 *parts_ms = cost.parts_ms;
             }
         }
-        let mut measured = vec![];
-        for ((_, path), (mut frame_ms, mut gpu_ms, parts_ms)) in PATHS.into_iter().zip(times) {
-            let frame = median(&mut frame_ms);
-            let (gpu, spread) = match gpu_ms.is_empty() {
-                true => (None, &frame_ms),
-                false => (Some(median(&mut gpu_ms)), &gpu_ms),
-            };
-            let spread_ms = [spread[0], spread[spread.len() - 1]];
-            let triangles = stage.prepared.triangles();
+        let triangles = stage.prepared.triangles();
+        let mut measured: Vec<Line> = vec![];
+        for ((_, path), (frame, gpu, parts_ms)) in PATHS.into_iter().zip(times) {
+            let frame = frame.figure();
+            let gpu = (!gpu.values.is_empty()).then(|| gpu.figure());
+            let timed = gpu.as_ref().unwrap_or(&frame);
             measured.push(Line {
                 model: name,
                 size,
                 triangles,
                 path,
-                frame_ms: frame,
-                gpu_ms: gpu,
-                spread_ms,
+                frame_ms: frame.median,
+                gpu_ms: gpu.as_ref().map(|gpu| gpu.median),
+                spread_ms: [timed.least, timed.greatest],
                 parts_ms,
                 speedup: 1.0,
             });
@@ -127,12 +127,6 @@ pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format:
         Format::Json => terminal::json(&report),
         Format::Table => print(&report),
     }
-}
-
-/// The median; the values are sorted then.
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 fn print(report: &Report) -> Result<()> {

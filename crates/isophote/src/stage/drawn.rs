@@ -140,20 +140,6 @@ impl<'m> Stage<'m> {
         })
     }
 
-    /// The same stage, drawn on the GPU by another path.
-    pub fn by_path(&self, path: Path) -> Stage<'m> {
-        Stage {
-            plan: Plan { path, ..self.plan },
-            scene: self.scene.clone(),
-            prepared: self.prepared.clone(),
-            views: self.views.clone(),
-            interpolation: self.interpolation.clone(),
-            vertex_normals: self.vertex_normals.clone(),
-            original: self.original.clone(),
-            ..*self
-        }
-    }
-
     /// The rasterizer of this stage.
     pub fn rasterizer(&self, options: raster::Options) -> Rasterizer<'_> {
         let Self { scene, views, camera, viewport, .. } = self;

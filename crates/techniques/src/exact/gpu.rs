@@ -6,7 +6,7 @@ use self::picture::{Picture, Range, Shared};
 use super::hulls::{CORNERS, Hulls, INDICES};
 use crate::resolve;
 use bytemuck::{Pod, Zeroable};
-use gpu::groups::{READ, UNIFORM_AT, WRITE};
+use gpu::groups::{PART_STRIDE, READ, UNIFORM_AT, WRITE, workgroups};
 use gpu::{DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets};
 use pipeline::Program;
 use pipeline::wgsl::Part;
@@ -27,13 +27,9 @@ pub(super) const PARTS: &[Part] = &[
     Part { file: "exact/place.wgsl", text: include_str!("../../../../shaders/exact/place.wgsl") },
 ];
 
-/// Threads of a workgroup, those of a small hull, and the side of a tile in `shaders/exact/entry.wgsl`.
+/// Threads of a workgroup, and those of a small hull, in `shaders/exact/entry.wgsl`.
 const WORKGROUP: u32 = 64;
 const LANES: u32 = 8;
-const TILE: u32 = 8;
-
-/// Workgroups in one dimension of a dispatch: what WebGPU promises.
-const ROW: u32 = 65_535;
 
 /// Workgroups of the kernels whose threads share work of unknown size: enough to fill the largest chips.
 const SHARING: u32 = 16_384;
@@ -86,14 +82,9 @@ impl Drawable for Hulls {
         let (pieces, hulls) = upload(device, self)?;
         let (layout, search_layout, resolve_layouts) = device.guarded("setting up", || {
             let layout = device.group_layout("pieces", ShaderStages::COMPUTE, shared_bindings());
-            let pipeline_layout = |groups: &[Option<&wgpu::BindGroupLayout>]| device.pipeline_layout("exact", groups);
-            let search_layout = pipeline_layout(&[Some(&scene.layouts.scene), Some(&layout)]);
-            let resolve_layouts = [Output::GBuffer, Output::Shaded].map(|output| {
-                let targets = resolve::layout(device, output);
-                let pipeline = pipeline_layout(&[Some(&scene.layouts.scene), Some(&layout), Some(&targets)]);
-                (output, (targets, pipeline))
-            });
-            (layout, search_layout, HashMap::from(resolve_layouts))
+            let search_layout = device.pipeline_layout("exact", &[Some(&scene.layouts.scene), Some(&layout)]);
+            let resolve_layouts = resolve::layouts(device, "exact", [&scene.layouts.scene, &layout]);
+            (layout, search_layout, resolve_layouts)
         })?;
         Ok(Box::new(Search {
             depth,
@@ -112,8 +103,8 @@ struct Search {
     shared: Shared,
     /// Of the kernels that write no target.
     search_layout: wgpu::PipelineLayout,
-    /// Group and pipeline layout of the kernels that write the targets of an output.
-    resolve_layouts: HashMap<Output, (wgpu::BindGroupLayout, wgpu::PipelineLayout)>,
+    /// Of those that do.
+    resolve_layouts: resolve::Layouts,
     /// Made when first needed: a driver may take seconds to compile one.
     pipelines: HashMap<(Program, Kernel), wgpu::ComputePipeline>,
     /// Meetings that a picture has room for at least: as many as one has had.
@@ -220,14 +211,7 @@ impl Frame for Searched {
             .zip(&self.ranges)
             .filter(|(_, range)| self.pipelines.contains_key(&(range.program, Kernel::Choose)))
             .collect();
-        // The first range clears what nothing is met in; the rasterizer takes longer for that.
-        if ranges.first().is_none_or(|&(index, _)| index != 0) {
-            drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("clear"),
-                color_attachments: &targets.cleared(),
-                ..Default::default()
-            }));
-        }
+        resolve::clear_unless_first(encoder, targets, ranges.first().map(|&(index, _)| index as usize));
         picture.clear(encoder);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("exact"),
@@ -241,21 +225,20 @@ impl Frame for Searched {
         pass.set_bind_group(2, &picture.targets, &[]);
         let mut run = |kernel: Kernel, index: u32, program: Program, [x, y]: [u32; 2]| {
             pass.set_pipeline(&self.pipelines[&(program, kernel)]);
-            pass.set_bind_group(1, &picture.group, &[index * picture::BATCH_STRIDE]);
+            pass.set_bind_group(1, &picture.group, &[index * PART_STRIDE as u32]);
             pass.dispatch_workgroups(x, y, 1);
         };
         for &(index, range) in &ranges {
-            run(Kernel::BoundHulls, index, range.program, grid(range.count, WORKGROUP));
+            run(Kernel::BoundHulls, index, range.program, workgroups(range.count, WORKGROUP));
         }
         for &(index, range) in &ranges {
-            run(Kernel::MeetSmall, index, range.program, grid(range.count, WORKGROUP / LANES));
+            run(Kernel::MeetSmall, index, range.program, workgroups(range.count, WORKGROUP / LANES));
             run(Kernel::MeetLarge, index, range.program, [SHARING, 1]);
         }
         if let Some(&(index, range)) = ranges.first() {
             run(Kernel::Choose, index, range.program, [SHARING, 1]);
         }
-        let side = |pixels: usize| (pixels as u32).div_ceil(TILE);
-        let tiles = [side(targets.viewport.width()), side(targets.viewport.height())];
+        let tiles = resolve::tiles(targets.viewport);
         for &(index, range) in &ranges {
             run(Kernel::Resolve(targets.output), index, range.program, tiles);
         }
@@ -278,12 +261,6 @@ impl Frame for Searched {
     fn evaluations(&self, device: &Device) -> Result<Option<Vec<u32>>, GpuError> {
         self.picture.evaluations(device).map(Some)
     }
-}
-
-/// Workgroups for `count` pieces, so many a group, in rows of equal length.
-fn grid(count: u32, a_group: u32) -> [u32; 2] {
-    let groups = count.div_ceil(a_group);
-    [groups.min(ROW), groups.div_ceil(ROW)]
 }
 
 /// The pieces that each batch of hulls draws.
@@ -352,16 +329,8 @@ mod tests {
             let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
             module.global_expressions[constant.init].clone()
         };
-        for (name, value) in [("WORKGROUP", WORKGROUP), ("LANES", LANES), ("TILE", TILE)] {
+        for (name, value) in [("WORKGROUP", WORKGROUP), ("LANES", LANES), ("TILE", resolve::TILE)] {
             assert_eq!(constant(name), naga::Expression::Literal(naga::Literal::U32(value)), "{name}");
-        }
-    }
-
-    #[test]
-    fn a_dispatch_has_room_for_all_pieces_in_rows_that_are_allowed() {
-        for count in [1, 64, 65, 8 * ROW, 8 * ROW + 1, 1 << 24] {
-            let [x, y] = grid(count, 8);
-            assert!(x <= ROW && y <= ROW && u64::from(x) * u64::from(y) * 8 >= u64::from(count), "{count}: {x} x {y}");
         }
     }
 }

@@ -8,7 +8,7 @@ use super::tiles::{SIDES, SIZES, indices};
 use crate::triangles::SAMPLE;
 use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
 use bytemuck::{Pod, Zeroable};
-use gpu::groups::{READ, UNIFORM, UNIFORM_AT, WRITE, part, whole};
+use gpu::groups::{PART_STRIDE, READ, UNIFORM, UNIFORM_AT, WRITE, part, whole};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, SceneLayouts};
 use pipeline::Program;
 use pipeline::wgsl::Part;
@@ -48,9 +48,6 @@ const LEAST_CAPACITY: u64 = 1024;
 /// Corners of an instance about: small tiles are drawn many to an instance, since a GPU runs the corners of one instance together
 /// and leaves the rest of its lanes idle.
 const BUNCH_CORNERS: u32 = 128;
-
-/// Distance of the draw calls' uniforms in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
-const CALL_STRIDE: usize = 256;
 
 /// `Asked` in `shaders/grid/levels.wgsl`.
 #[repr(C)]
@@ -179,8 +176,8 @@ impl Buffers {
             (0..SIZES as usize).map(move |size| call(size, ends))
         };
         let calls: Vec<DrawCall> = grids.programs.iter().flat_map(of_program).collect();
-        let mut numbers = vec![0u32; CALL_STRIDE / 4 * calls.len().max(1)];
-        for (number, uniform) in (0..).zip(numbers.chunks_exact_mut(CALL_STRIDE / 4)) {
+        let mut numbers = vec![0u32; PART_STRIDE / 4 * calls.len().max(1)];
+        for (number, uniform) in (0..).zip(numbers.chunks_exact_mut(PART_STRIDE / 4)) {
             let (across, size) = ((1 << (number % SIDES)) + 1, number % SIZES);
             uniform[..4].copy_from_slice(&[number, across, corners_of(size), bunch_of(size)]);
         }
@@ -217,7 +214,7 @@ impl Buffers {
         let (group, drawn_group) = device.guarded("setting up", || {
             let kernels = whole([grids, measures, marks, counts, calls, &tiles, &asked]);
             let group = device.group("levels", layouts[0], kernels);
-            let number = part(numbers, CALL_STRIDE as u64);
+            let number = part(numbers, PART_STRIDE as u64);
             let drawn = whole([grids, &tiles, calls]).chain([(3, number)]);
             (group, device.group("tiles", layouts[1], drawn))
         })?;
@@ -317,7 +314,7 @@ impl Feed for Generator {
             let Some(pipeline) = pipeline(*program) else { continue };
             pass.set_pipeline(pipeline);
             for call in SIZES as usize * index..SIZES as usize * (index + 1) {
-                pass.set_bind_group(1, &self.room.drawn_group, &[(call * CALL_STRIDE) as u32]);
+                pass.set_bind_group(1, &self.room.drawn_group, &[(call * PART_STRIDE) as u32]);
                 pass.draw_indexed_indirect(&self.buffers.calls, (call * size_of::<DrawCall>()) as u64);
             }
         }

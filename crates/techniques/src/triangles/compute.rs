@@ -5,7 +5,7 @@ use crate::resolve;
 use crate::technique::Prepared;
 use crate::triangles::SAMPLE;
 use bytemuck::{Pod, Zeroable};
-use gpu::groups::{READ, UNIFORM, UNIFORM_AT, WRITE, part};
+use gpu::groups::{PART_STRIDE, READ, UNIFORM, UNIFORM_AT, WRITE, part, whole, workgroups};
 use gpu::{
     Atomics, DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets,
 };
@@ -35,23 +35,16 @@ const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, STRICT, NEAREST_64, SAMPLE, reso
 /// The same by atomics of 32 bits.
 const PARTS_32: &[Part] = &[ENTRY, CLIP, SETUP, STRICT, NEAREST_32, SAMPLE, resolve::PART];
 
-/// Threads of a workgroup, and the side of a tile, in `shaders/raster/entry.wgsl`.
+/// Threads of a workgroup in `shaders/raster/entry.wgsl`.
 const WORKGROUP: u32 = 64;
-const TILE: u32 = 8;
-
-/// Workgroups in one dimension of a dispatch: what WebGPU promises.
-const ROW: u32 = 65_535;
 
 /// Workgroups that share triangles of unknown number: enough to fill the largest chips, and soon done where there are none.
 const SHARING: u32 = 2048;
 
-/// Distance of the calls in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
-const CALL_STRIDE: u32 = 256;
-
 /// Counts a call and round: large triangles, and cut ones.
 const COUNTS: usize = 2;
 
-/// `Call` in `shaders/raster/entry.wgsl`, filled up to [`CALL_STRIDE`].
+/// `Call` in `shaders/raster/entry.wgsl`, filled up to [`PART_STRIDE`].
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Call {
@@ -153,13 +146,8 @@ impl Drawable for ByCompute {
             let bindings = (0..).zip([READ, WRITE, WRITE, WRITE, UNIFORM_AT, UNIFORM]);
             let layout = device.group_layout("triangles", ShaderStages::COMPUTE, bindings);
             let cover_layout = device.pipeline_layout("triangles", &[Some(&scene.layouts.scene), Some(&layout)]);
-            let resolve_layouts = [Output::GBuffer, Output::Shaded].map(|output| {
-                let targets = resolve::layout(device, output);
-                let groups = [Some(&scene.layouts.scene), Some(&layout), Some(&targets)];
-                let pipeline = device.pipeline_layout("triangles", &groups);
-                (output, (targets, pipeline))
-            });
-            (layout, cover_layout, HashMap::from(resolve_layouts))
+            let resolve_layouts = resolve::layouts(device, "triangles", [&scene.layouts.scene, &layout]);
+            (layout, cover_layout, resolve_layouts)
         })?;
         let (technique, atomics) = (self.technique(), self.atomics);
         let pipelines = HashMap::new();
@@ -246,8 +234,8 @@ struct Kernels {
     layout: wgpu::BindGroupLayout,
     /// Of the kernels that write no target.
     cover_layout: wgpu::PipelineLayout,
-    /// Group and pipeline layout of the kernels that write the targets of an output.
-    resolve_layouts: HashMap<Output, (wgpu::BindGroupLayout, wgpu::PipelineLayout)>,
+    /// Of those that do.
+    resolve_layouts: resolve::Layouts,
     /// Made when first needed: a driver may take seconds to compile one.
     pipelines: HashMap<(Program, Kernel), wgpu::ComputePipeline>,
 }
@@ -305,8 +293,8 @@ impl Pass for Kernels {
         let calls = device.buffer("calls", BufferUsages::UNIFORM, bytemuck::cast_slice(&calls))?;
         let (group, targets) = device.guarded("setting up", || {
             let Fed { mesh, corners, queue, .. } = &self.fed;
-            let buffers = gpu::groups::whole([mesh, corners, &seen, queue]);
-            let call = part(&calls, u64::from(CALL_STRIDE));
+            let buffers = whole([mesh, corners, &seen, queue]);
+            let call = part(&calls, PART_STRIDE as u64);
             let resources = buffers.chain([(4, call), (5, self.zeros.as_entire_binding())]);
             let group = device.group("triangles", &self.layout, resources);
             (group, resolve::group(device, &self.resolve_layouts[&targets.output].0, targets))
@@ -358,7 +346,7 @@ impl Covered {
     }
 
     fn placing(&self, batches: &[(usize, Program, u32)]) -> Vec<Dispatch> {
-        let groups = grid(self.fed.vertices);
+        let groups = workgroups(self.fed.vertices, WORKGROUP);
         let first =
             batches.first().map(|&(call, program, _)| Dispatch { kernel: Kernel::PlaceCorners, call, program, groups });
         first.into_iter().collect()
@@ -367,7 +355,7 @@ impl Covered {
     fn covering(&self, batches: &[(usize, Program, u32)]) -> Vec<Dispatch> {
         let of_batch = |kernel: Kernel, &(index, program, count): &(usize, Program, u32)| {
             let groups = match kernel {
-                Kernel::CoverSmall { .. } => grid(count),
+                Kernel::CoverSmall { .. } => workgroups(count, WORKGROUP),
                 _ => [SHARING, 1],
             };
             let call = index + usize::from(kernel.is_second()) * self.fed.batches.len();
@@ -379,8 +367,7 @@ impl Covered {
     }
 
     fn resolving(&self, batches: &[(usize, Program, u32)], targets: &Targets) -> Vec<Dispatch> {
-        let side = |pixels: usize| (pixels as u32).div_ceil(TILE);
-        let groups = [side(targets.viewport.width()), side(targets.viewport.height())];
+        let groups = resolve::tiles(targets.viewport);
         let kernel = Kernel::Resolve(targets.output);
         batches.iter().map(|&(call, program, _)| Dispatch { kernel, call, program, groups }).collect()
     }
@@ -402,14 +389,7 @@ impl Frame for Covered {
         if let Some(stamps) = stamps {
             stamps.begin(encoder);
         }
-        // The first batch clears what nothing covers; the rasterizer takes longer for that.
-        if batches.first().is_none_or(|&(index, ..)| index != 0) {
-            drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("clear"),
-                color_attachments: &targets.cleared(),
-                ..Default::default()
-            }));
-        }
+        resolve::clear_unless_first(encoder, targets, batches.first().map(|&(index, ..)| index));
         encoder.clear_buffer(&self.seen, 0, None);
         if self.fed.counts() > 0 {
             encoder.clear_buffer(&self.fed.queue, 0, Some(self.fed.counts()));
@@ -432,17 +412,11 @@ impl Frame for Covered {
             pass.set_bind_group(2, &self.targets, &[]);
             for Dispatch { kernel, call, program, groups: [x, y] } in dispatches {
                 pass.set_pipeline(&self.pipelines[&(program, kernel)]);
-                pass.set_bind_group(1, &self.group, &[call as u32 * CALL_STRIDE]);
+                pass.set_bind_group(1, &self.group, &[(call * PART_STRIDE) as u32]);
                 pass.dispatch_workgroups(x, y, 1);
             }
         }
     }
-}
-
-/// Workgroups for so many threads, in rows of equal length.
-fn grid(threads: u32) -> [u32; 2] {
-    let groups = threads.div_ceil(WORKGROUP);
-    [groups.min(ROW), groups.div_ceil(ROW)]
 }
 
 #[cfg(test)]
@@ -466,10 +440,10 @@ mod tests {
                 module.global_expressions[constant.init].clone()
             };
             let vertex = (size_of::<Vertex>() / 4) as u32;
-            for (name, expected) in [("WORKGROUP", WORKGROUP), ("TILE", TILE), ("VERTEX", vertex)] {
+            for (name, expected) in [("WORKGROUP", WORKGROUP), ("TILE", resolve::TILE), ("VERTEX", vertex)] {
                 assert_eq!(value(name), Expression::Literal(Literal::U32(expected)), "{name}");
             }
         }
-        assert_eq!(size_of::<Call>(), CALL_STRIDE as usize);
+        assert_eq!(size_of::<Call>(), PART_STRIDE);
     }
 }

@@ -4,7 +4,7 @@ use super::plan::{SIDE, Step, Zones};
 use crate::grid::CORNER;
 use crate::triangles::SAMPLE;
 use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
-use gpu::groups::{READ, UNIFORM_AT, WRITE, part, whole};
+use gpu::groups::{PART_STRIDE, READ, UNIFORM_AT, WRITE, part, whole};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, SceneLayouts};
 use pipeline::Program;
 use pipeline::wgsl::Part;
@@ -33,9 +33,6 @@ const CORNER_BYTES: u64 = 64;
 
 /// Vertices of a zone: two triangles a cell.
 const VERTICES: u32 = 6 * SIDE * SIDE;
-
-/// Distance of the steps in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
-const STEP_STRIDE: usize = 256;
 
 /// The kernels, in their order.
 const KERNELS: [&str; 2] = ["find_zones", "tessellate"];
@@ -83,8 +80,8 @@ impl Feed for Generator {
         let firsts = device.storage("first zones", bytemuck::cast_slice(&zones.firsts))?;
         let found = device.empty("zones", 16 * most)?;
         let made = device.empty("corners of zones", CORNER_BYTES * u64::from(CORNERS) * most)?;
-        let mut uniforms = vec![0u32; STEP_STRIDE / 4 * zones.steps.len().max(1)];
-        for (number, (uniform, step)) in (0..).zip(uniforms.chunks_exact_mut(STEP_STRIDE / 4).zip(&zones.steps)) {
+        let mut uniforms = vec![0u32; PART_STRIDE / 4 * zones.steps.len().max(1)];
+        for (number, (uniform, step)) in (0..).zip(uniforms.chunks_exact_mut(PART_STRIDE / 4).zip(&zones.steps)) {
             let grids = zones.grids.picture.records.len() as u32;
             uniform[..4].copy_from_slice(&[step.zones.start, step.zones.len() as u32, number, grids]);
         }
@@ -92,7 +89,7 @@ impl Feed for Generator {
         let (layout, group, drawn_layout, drawn_group) = device.guarded("setting up", || {
             let kernels = [READ, READ, WRITE, WRITE, UNIFORM_AT];
             let layout = device.group_layout("zones", ShaderStages::COMPUTE, (0..).zip(kernels));
-            let step = part(&uniforms, STEP_STRIDE as u64);
+            let step = part(&uniforms, PART_STRIDE as u64);
             let group = device.group("zones", &layout, whole([&grids, &firsts, &found, &made]).chain([(4, step)]));
             let drawn_layout = device.group_layout("corners", ShaderStages::VERTEX, [(0, READ)]);
             let drawn_group = device.group("corners", &drawn_layout, whole([&made]));
@@ -135,7 +132,7 @@ impl Feed for Generator {
         let count = zones.len() as u32;
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_bind_group(0, &scene.group, &[]);
-        pass.set_bind_group(1, &self.group, &[(step * STEP_STRIDE) as u32]);
+        pass.set_bind_group(1, &self.group, &[(step * PART_STRIDE) as u32]);
         pass.set_pipeline(find);
         pass.dispatch_workgroups(count.div_ceil(WORKGROUP), 1, 1);
         pass.set_pipeline(tessellate);

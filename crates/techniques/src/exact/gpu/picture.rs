@@ -2,7 +2,7 @@
 
 use crate::resolve;
 use bytemuck::{Pod, Zeroable};
-use gpu::groups::{part, whole};
+use gpu::groups::{PART_STRIDE, part, whole};
 use gpu::{Device, GpuError, Targets};
 use pipeline::Program;
 use scene::Viewport;
@@ -21,10 +21,7 @@ pub(super) const MEETING_BYTES: u64 = 20;
 /// rarely need more.
 const MEETINGS_A_PIXEL: u64 = 2;
 
-/// Distance of the batches in their buffer: the greatest alignment that WebGPU allows an adapter to ask for.
-pub(super) const BATCH_STRIDE: u32 = 256;
-
-/// `Batch` in `shaders/exact/entry.wgsl`, filled up to [`BATCH_STRIDE`].
+/// `Batch` in `shaders/exact/entry.wgsl`, filled up to [`PART_STRIDE`].
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct BatchUniform {
@@ -113,7 +110,7 @@ impl Picture {
         let batches = device.buffer("batches", BufferUsages::UNIFORM, bytemuck::cast_slice(&batches))?;
         let (group, targets) = device.guarded("setting up", || {
             let buffers = whole([&shared.pieces, &shared.hulls, &words, &meetings]);
-            let batch = part(&batches, u64::from(BATCH_STRIDE));
+            let batch = part(&batches, PART_STRIDE as u64);
             let group = device.group("pieces", &shared.layout, buffers.chain([(4, batch)]));
             (group, resolve::group(device, layout, targets))
         })?;
