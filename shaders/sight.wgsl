@@ -6,6 +6,7 @@ const STEEP: f32 = 1.0 / 16.0;
 const REACH_PX: f32 = 4.0;
 const SKIRT_REACH_PX: f32 = 32.0;
 const SKIRT_FOUND_PX: f32 = 1.0 / 16.0;
+const SKIRT_SETTLED_PX: f32 = 1.0 / 256.0;
 const SKIRT_STEPS: u32 = 6u;
 const NEARLY_SINGULAR: f32 = 1.0 / 65536.0;
 

@@ -16,46 +16,50 @@ struct Shown {
     is_drawn: bool,
 }
 
-// The program at the interpolated (u, v), but on a skirt at the nearest place of its span; what lies behind is seen where the
-// face does not cover the pixel. Twin: `Sight::shows` and `Sight::place`.
+// The program at the interpolated (u, v), but on a skirt at the place of the face that is nearest to the pixel; what lies behind
+// is seen where the face does not cover it. Twin: `Sight::shows` and `Sight::place`.
 fn shown(in: Sample) -> Shown {
     let face = faces[in.face];
+    let on_skirt = TRIMMED && is_on_skirt(face, in.given);
+    let pixel = sight(views[in.face], in.at);
     var f: Fragment;
-    var given = in.given;
-    var is_last = !TRIMMED;
+    var place = in.given;
     var steps = 0u;
     // A loop, so that the program stands there once.
     loop {
-        f = fragment(in.face, given);
-        if (is_last) {
+        f = fragment(in.face, place);
+        if (!on_skirt || steps == SKIRT_STEPS) {
             break;
         }
-        let pixel = sight(views[in.face], in.at);
-        let at = footprint(pixel, f.whole, f.position, f.su, f.sv, REACH_PX);
-        let on_skirt = is_on_skirt(face, in.given);
-        let is_far = on_skirt && at.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX;
-        // Where it is far, the place decides to which the tangent plane leads.
-        if (!is_far || steps == SKIRT_STEPS) {
-            if (is_far || !is_shown(face, at)) {
-                return Shown(f, false);
-            }
-            if (!on_skirt) {
-                break;
-            }
-            is_last = true;
+        let next = nearest_on_span(face, f, pixel);
+        if (next.way_squared <= SKIRT_SETTLED_PX * SKIRT_SETTLED_PX) {
+            break;
         }
-        given = nearest_on_span(face, f, pixel);
+        place = next.at;
         steps += 1u;
     }
-    return Shown(f, true);
+    if (!TRIMMED) {
+        return Shown(f, true);
+    }
+    let at = footprint(pixel, f.whole, f.position, f.su, f.sv, REACH_PX);
+    let is_far = on_skirt && at.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX;
+    return Shown(f, !is_far && is_shown(face, at));
+}
+
+struct Nearest {
+    at: Parameters,
+    // The square of the way there, pixels were the surface seen at a right angle.
+    way_squared: f32,
 }
 
 // The place of a fragment's span that is nearest to a pixel in the picture, by the span's own parameters; beyond a knot that is
 // no border, the place of the next span.
-fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> Parameters {
+fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> Nearest {
     let length_u = span_of(face.table_u, face.spans_u, degree(face.degree_u), f.span.x).length;
     let length_v = span_of(face.table_v, face.spans_v, degree(face.degree_v), f.span.y).length;
-    let found = footprint(pixel, f.uv, f.position, f.su * length_u, f.sv * length_v, SKIRT_REACH_PX);
+    let su = f.su * length_u;
+    let sv = f.sv * length_v;
+    let found = footprint(pixel, f.uv, f.position, su, sv, SKIRT_REACH_PX);
     let is_before = (found.center < vec2<f32>(0.0)) & (f.span > vec2<u32>(0u));
     let is_beyond = (found.center > vec2<f32>(1.0)) & (f.span < vec2<u32>(face.spans_u, face.spans_v) - 1u);
     let next = f.span + select(vec2<u32>(0u), vec2<u32>(1u), is_beyond) - select(vec2<u32>(0u), vec2<u32>(1u), is_before);
@@ -64,7 +68,11 @@ fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> Parameters {
     let gain = vec2<f32>(length_u, length_v) / vec2<f32>(next_u, next_v);
     let low = clamp(1.0 + found.center * gain, vec2<f32>(0.0), vec2<f32>(1.0));
     let high = clamp((found.center - 1.0) * gain, vec2<f32>(0.0), vec2<f32>(1.0));
-    return Parameters(next, select(select(nearest(found), low, is_before), high, is_beyond));
+    let uv = select(select(nearest(found), low, is_before), high, is_beyond);
+    let pixels = squared_pixels(pixel, plane(pixel.w, f.position));
+    let way = uv - f.uv;
+    let way_squared = max(dot(su, su) * pixels * (way.x * way.x), dot(sv, sv) * pixels * (way.y * way.y));
+    return Nearest(Parameters(next, uv), select(GREATEST, way_squared, all(next == f.span)));
 }
 
 // What the flat triangle carries, in place of the surface's own: the interpolated normal, and the triangle's point but on a skirt.

@@ -31,11 +31,15 @@ pub const REACH_PX: f32 = 4.0;
 /// pixel at one degree. That the surface may have bent away there does no harm, since that place has a tangent plane of its own.
 pub const SKIRT_REACH_PX: f32 = 32.0;
 
-/// The farthest that it leads where a fragment of a skirt is decided: Newton's method has come to the ray. A sliver's parameters,
-/// interpolated beyond the triangle, may be anywhere, and a surface may bend away from its border within a pixel.
+/// The farthest that it leads from there to the ray of a pixel that a fragment of a skirt covers: Newton's method has come to the
+/// ray. A sliver's parameters, interpolated beyond the triangle, may be anywhere, and a surface may bend away from its border
+/// within a pixel.
 pub const SKIRT_FOUND_PX: f32 = 1.0 / 16.0;
 
-/// How often a fragment of a skirt is led on.
+/// A fragment of a skirt is led on until its next place is no farther than this, in pixels were the surface seen at a right angle.
+pub const SKIRT_SETTLED_PX: f32 = 1.0 / 256.0;
+
+/// How often a fragment of a skirt is led on at most.
 pub const SKIRT_STEPS: u32 = 6;
 
 /// Below this determinant, as a share of the squared columns, the columns count as nearly parallel.
@@ -148,29 +152,24 @@ impl Sight {
 
     /// Whether a fragment of `face` at `at`, where the face has a tangent plane, covers the pixel.
     pub fn shows(&self, scene: &PackedScene, face: u32, at: Parameters, plane: &TangentPlane) -> bool {
-        let (_, plane) = self.decisive(scene, face, at, plane);
-        !(plane.on_skirt && self.is_far(&plane))
-            && is_shown(scene, &scene.faces()[face as usize], &self.footprint(&plane, REACH_PX))
-    }
-
-    /// Whether a tangent plane at a place of a skirt leads too far.
-    fn is_far(&self, plane: &TangentPlane) -> bool {
-        self.footprint(plane, REACH_PX).step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX
+        let (_, plane) = self.settled(scene, face, at, plane);
+        let footprint = self.footprint(&plane, REACH_PX);
+        let is_far = plane.on_skirt && footprint.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX;
+        !is_far && is_shown(scene, &scene.faces()[face as usize], &footprint)
     }
 
     /// Where a fragment shows its face: at its parameters, but on a skirt at the place that is nearest to the pixel in the
-    /// picture, as the tangent plane that decides has it.
+    /// picture.
     pub fn place(&self, scene: &PackedScene, face: u32, at: Parameters) -> Parameters {
         if !is_on_skirt(&scene.faces()[face as usize], at) {
             return at;
         }
-        let (at, plane) = self.decisive(scene, face, at, &tangent_plane(scene, face, at));
-        self.nearest_on_span(scene, face, at, &plane)
+        self.settled(scene, face, at, &tangent_plane(scene, face, at)).0
     }
 
-    /// The parameters and the tangent plane that decide about a fragment: on a skirt those of the border, but where that leads farther
-    /// than [`SKIRT_FOUND_PX`] those of the place to which it leads, and so on up to [`SKIRT_STEPS`] times.
-    fn decisive(
+    /// The parameters and the tangent plane that decide about a fragment. On a skirt tangent planes lead from the border to the place
+    /// of the face that is nearest to the pixel, up to [`SKIRT_STEPS`] times, until it moves no farther than [`SKIRT_SETTLED_PX`].
+    fn settled(
         &self,
         scene: &PackedScene,
         face: u32,
@@ -178,18 +177,27 @@ impl Sight {
         plane: &TangentPlane,
     ) -> (Parameters, TangentPlane) {
         let mut plane = *plane;
-        let mut steps = 0;
-        while plane.on_skirt && steps < SKIRT_STEPS && self.is_far(&plane) {
-            at = self.nearest_on_span(scene, face, at, &plane);
+        for _ in 0..if plane.on_skirt { SKIRT_STEPS } else { 0 } {
+            let (next, way_squared) = self.nearest_on_span(scene, face, at, &plane);
+            if way_squared <= SKIRT_SETTLED_PX * SKIRT_SETTLED_PX {
+                break;
+            }
+            at = next;
             plane = TangentPlane { on_skirt: true, ..tangent_plane(scene, face, at) };
-            steps += 1;
         }
         (at, plane)
     }
 
     /// The place of a fragment's span that is nearest to the pixel in the picture, as a tangent plane on it has it; beyond a knot
-    /// that is no border, the place of the next span.
-    fn nearest_on_span(&self, scene: &PackedScene, face: u32, at: Parameters, plane: &TangentPlane) -> Parameters {
+    /// that is no border, the place of the next span. With it comes the square of the way there, in pixels were the surface seen at
+    /// a right angle; to another span it counts as endless.
+    fn nearest_on_span(
+        &self,
+        scene: &PackedScene,
+        face: u32,
+        at: Parameters,
+        plane: &TangentPlane,
+    ) -> (Parameters, f32) {
         let f = &scene.faces()[face as usize];
         let spans = scene.spans(f, at.span);
         // By the span's own parameters, which f32 resolves however short it is.
@@ -213,7 +221,13 @@ impl Sight {
                 Ordering::Equal => on_span[k],
             }
         });
-        Parameters { span: next, uv }
+        let pixels = self.squared_pixels(self::plane(&self.w, plane.s));
+        let squares = [0, 1].map(|k| {
+            let way = uv[k] - plane.uv[k];
+            dot([su, sv][k], [su, sv][k]) * pixels * (way * way)
+        });
+        let way_squared = if next == at.span { squares[0].max(squares[1]) } else { f32::MAX };
+        (Parameters { span: next, uv }, way_squared)
     }
 }
 

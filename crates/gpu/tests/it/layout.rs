@@ -116,6 +116,7 @@ fn constants_have_the_same_values() {
         ("STEEP", sight::STEEP),
         ("SKIRT_REACH_PX", sight::SKIRT_REACH_PX),
         ("SKIRT_FOUND_PX", sight::SKIRT_FOUND_PX),
+        ("SKIRT_SETTLED_PX", sight::SKIRT_SETTLED_PX),
         ("NEARLY_SINGULAR", sight::NEARLY_SINGULAR),
         ("GREATEST", f32::MAX),
     ] {
