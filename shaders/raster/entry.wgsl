@@ -8,6 +8,8 @@ const SMALL_ROWS: i32 = 24;
 const SMALL_AREA: f32 = 48.0;
 // Threads that share a row of a triangle that is not small.
 const ALONG: u32 = 8u;
+// Words of a question: pixel, order, triangle, (u, v).
+const QUESTION: u32 = 5u;
 // Words of a vertex: position, (u, v), face, spans, normal, and the face whose coordinates the position has.
 const VERTEX: u32 = 12u;
 
@@ -23,11 +25,14 @@ struct Call {
     // Where the indices start in `mesh`, and how many vertices there are before them.
     indices: u32,
     vertices: u32,
-    // Where the counts of large and of cut triangles stand in `queue`, and where their numbers start.
+    // Where the counts of large triangles, of cut ones and of questions stand in `queue`, and where the triangles' numbers start.
     counts: u32,
     waiting: u32,
     // Whether the call is that which clears pixels that see nothing, and to what.
     clears: u32,
+    // Where questions start, and how many there is room for.
+    questions: u32,
+    room: u32,
     nothing: vec4<f32>,
 }
 
@@ -35,7 +40,7 @@ struct Call {
 @group(1) @binding(0) var<storage, read> mesh: array<u32>;
 // A vertex: snapped x and y, the bits of depth and of 1 / w.
 @group(1) @binding(1) var<storage, read_write> corners: array<vec4<u32>>;
-// Counts, then triangles that wait: large ones from the front on, cut ones from the back.
+// Counts, then triangles that wait: large ones from the front on, cut ones from the back; then questions that wait.
 @group(1) @binding(3) var<storage, read_write> queue: array<atomic<u32>>;
 @group(1) @binding(4) var<uniform> call: Call;
 
@@ -212,21 +217,131 @@ fn piece_of(polygon: Polygon, k: u32) -> Piece {
     return piece;
 }
 
-// Offers a triangle to a pixel if it covers its centre.
-fn cover(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) {
+// What a triangle has to say about a pixel.
+struct Offer {
+    // Whether it covers the pixel's centre, and may be the nearest there.
+    is_open: bool,
+    pixel: u32,
+    order: u32,
+    // What it shows, where it is to be asked.
+    in: Sample,
+}
+
+fn offer_of(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) -> Offer {
+    var made: Offer;
     let values = values_at(t, pixel);
-    if (!values.covered) {
+    if (values.covered) {
+        made.order = order_of(depth_at(t, values.rounded));
+        made.pixel = u32(pixel.y) * call.width + u32(pixel.x);
+        made.is_open = made.order != 0u && is_wanted(made.pixel, made.order);
+        if (made.is_open && is_asked(triangle)) {
+            made.in = sample_of(triangle, share * shares_at(t, values.rounded), pixel);
+        }
+    }
+    return made;
+}
+
+// Whether the face of a triangle must be asked at each pixel if it is there.
+fn is_asked(triangle: u32) -> bool {
+    return TRIMMED && (faces[face_of(vertices_of(triangle).x)].flags & BOUNDED) != 0u;
+}
+
+// Offers a triangle to a pixel if it covers its centre. The question if its face is there waits until all are known, so that every
+// thread has as many as any other.
+fn cover(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) {
+    let made = offer_of(t, share, triangle, pixel);
+    if (!made.is_open) {
         return;
     }
-    let order = order_of(depth_at(t, values.rounded));
-    let index = u32(pixel.y) * call.width + u32(pixel.x);
-    if (order == 0u || !is_wanted(index, order)) {
+    if (!is_asked(triangle)) {
+        offer(made.pixel, made.order, triangle);
         return;
     }
-    if (TRIMMED && !is_face_there(triangle, share * shares_at(t, values.rounded), pixel)) {
+    let slot = atomicAdd(&queue[call.counts + 2u], 1u);
+    if (slot < call.room) {
+        let at = call.questions + slot * QUESTION;
+        atomicStore(&queue[at], made.pixel);
+        atomicStore(&queue[at + 1u], made.order);
+        atomicStore(&queue[at + 2u], triangle);
+        atomicStore(&queue[at + 3u], bitcast<u32>(made.in.given.uv.x));
+        atomicStore(&queue[at + 4u], bitcast<u32>(made.in.given.uv.y));
+    }
+}
+
+// However many questions there are, they share the threads.
+@compute @workgroup_size(WORKGROUP)
+fn answer(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let count = min(atomicLoad(&queue[call.counts + 2u]), call.room);
+    for (var i = id.x; i < count; i += groups.x * WORKGROUP) {
+        let at = call.questions + i * QUESTION;
+        let pixel = atomicLoad(&queue[at]);
+        let order = atomicLoad(&queue[at + 1u]);
+        let triangle = atomicLoad(&queue[at + 2u]);
+        if (!is_wanted(pixel, order)) {
+            continue;
+        }
+        let vertex = vertices_of(triangle).x;
+        let uv = vec2<f32>(bitcast<f32>(atomicLoad(&queue[at + 3u])), bitcast<f32>(atomicLoad(&queue[at + 4u])));
+        var in: Sample;
+        in.face = face_of(vertex);
+        in.given = Parameters(span_at(vertex), uv);
+        in.at = vec2<f32>(vec2<u32>(pixel % call.width, pixel / call.width)) + 0.5;
+        if (shown(in).is_drawn) {
+            offer(pixel, order, triangle);
+        }
+    }
+}
+
+// Where some questions found no room, all are answered where they arise.
+@compute @workgroup_size(WORKGROUP)
+fn answer_rest(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(num_workgroups) groups: vec3<u32>,
+) {
+    if (atomicLoad(&queue[call.counts + 2u]) <= call.room) {
         return;
     }
-    offer(index, order, triangle);
+    for (var i = group.x; i < call.count; i += groups.x) {
+        let triangle = call.first + i;
+        if (!is_asked(triangle)) {
+            continue;
+        }
+        let placed = corners_of(vertices_of(triangle));
+        if (!is_cut(placed)) {
+            answer_all(set_up(placed, size_in_pixels()), WHOLE, triangle, lane);
+            continue;
+        }
+        let polygon = polygon_of(triangle);
+        for (var k = 2u; k < polygon.count; k++) {
+            let piece = piece_of(polygon, k);
+            answer_all(piece.t, piece.share, triangle, lane);
+        }
+    }
+}
+
+// The part of a workgroup's thread.
+fn answer_all(t: Flat, share: mat3x3<f32>, triangle: u32, lane: u32) {
+    if (!t.is_seen) {
+        return;
+    }
+    for (var y = t.first.y + i32(lane / ALONG); y < t.end.y; y += i32(WORKGROUP / ALONG)) {
+        let columns = columns_of(t, y);
+        for (var x = columns.x + i32(lane % ALONG); x < columns.y; x += i32(ALONG)) {
+            let made = offer_of(t, share, triangle, vec2<i32>(x, y));
+            if (made.is_open && shown(made.in).is_drawn) {
+                offer(made.pixel, made.order, triangle);
+            }
+        }
+    }
+}
+
+fn face_of(vertex: u32) -> u32 {
+    return mesh[vertex * VERTEX + 5u];
+}
+
+fn span_at(vertex: u32) -> vec2<u32> {
+    return vec2<u32>(mesh[vertex * VERTEX + 6u], mesh[vertex * VERTEX + 7u]);
 }
 
 // Greater is nearer. The bits of floats from 0 to 1 stand in their order; 0 is the depth of a cleared picture.
@@ -235,23 +350,11 @@ fn order_of(depth: f32) -> u32 {
     return select(bits, select(~bits, 0u, bits == 0u), FARTHEST);
 }
 
-// Whether the face of a triangle is there.
-fn is_face_there(triangle: u32, shares: vec3<f32>, pixel: vec2<i32>) -> bool {
-    let in = sample_of(triangle, shares, pixel);
-    if ((faces[in.face].flags & BOUNDED) == 0u) {
-        return true;
-    }
-    return shown(in).is_drawn;
-}
-
 fn sample_of(triangle: u32, shares: vec3<f32>, pixel: vec2<i32>) -> Sample {
     let v = vertices_of(triangle);
-    let face = mesh[v.x * VERTEX + 5u];
-    let span = vec2<u32>(mesh[v.x * VERTEX + 6u], mesh[v.x * VERTEX + 7u]);
-    let uv = vec2<f32>(mixed(v, 3u, shares), mixed(v, 4u, shares));
     var in: Sample;
-    in.face = face;
-    in.given = Parameters(span, uv);
+    in.face = face_of(v.x);
+    in.given = Parameters(span_at(v.x), vec2<f32>(mixed(v, 3u, shares), mixed(v, 4u, shares)));
     in.at = vec2<f32>(pixel) + 0.5;
     if (VERTEX_NORMALS) {
         in.normal = vec3<f32>(mixed(v, 8u, shares), mixed(v, 9u, shares), mixed(v, 10u, shares));

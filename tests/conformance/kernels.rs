@@ -29,7 +29,7 @@ const FAULTS: &[(&str, Scene, [&str; 2])] = &[
         Scene::Framed,
         ["number_of(v.z, word) - a", "number_of(v.y, word) - a"],
     ),
-    ("no face is asked whether it is there", Scene::Framed, ["TRIMMED && !is_face_there(", "false && !is_face_there("]),
+    ("no face is asked whether it is there", Scene::Framed, ["return TRIMMED && (faces[", "return false && (faces["]),
     (
         "corners are snapped to whole pixels",
         Scene::Framed,

@@ -10,12 +10,14 @@ pub mod scenes;
 pub mod shown;
 pub mod token;
 pub mod trial;
+pub mod way;
 pub mod worker;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use isophote::format::Format;
 use isophote::output;
+use isophote::stage::Path;
 use isophote::{technique, terminal};
 use journal::Journal;
 use mutant::{Generated, Mutant, generate};
@@ -26,6 +28,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 use techniques::Technique;
+use way::Way;
 use worker::{Setting, Worker};
 
 /// Mutants tried at once: each worker's software GPU keeps two cores busy about half of the time.
@@ -43,6 +46,9 @@ pub struct MutantsArgs {
     /// The technique whose parts are changed; those that both share are changed with `fragment`, and drawn by both
     #[arg(long, value_parser = technique::parser(), default_value = technique::default())]
     technique: &'static dyn Technique,
+    /// Change the kernels' own parts, and draw by them; what they share with the fragment stage is changed without this
+    #[arg(long, value_enum, default_value_t)]
+    path: Path,
     /// Only mutants of this file, or of one line of it, as in eval.wgsl:27; may be given several times
     #[arg(long, value_name = "FILE[:LINE]")]
     at: Vec<String>,
@@ -81,6 +87,17 @@ pub struct MutantsArgs {
     worker: bool,
 }
 
+impl MutantsArgs {
+    /// Who draws the mutants.
+    fn way(&self) -> Result<Way> {
+        let way = Way { technique: self.technique, path: self.path };
+        if !Way::all().any(|known| known == way) {
+            bail!("kernels are the same for all techniques: leave --technique out where --path is given")
+        }
+        Ok(way)
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -91,9 +108,9 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let reviewed = record::reviewed()?;
-    let technique = args.technique;
-    let Generated { mutants, stillborn } = generate(technique);
-    let unknown = report::unknown(&reviewed, &mutants, technique);
+    let way = args.way()?;
+    let Generated { mutants, stillborn } = generate(way);
+    let unknown = report::unknown(&reviewed, &mutants, way);
     let mut chosen = if args.at.is_empty() { mutants.clone() } else { at_places(&mutants, &args.at)? };
     if let Some(count) = args.sample {
         let is_reviewed = |m: &Mutant| reviewed.iter().any(|group| group.mutants.contains(&m.key));
@@ -132,7 +149,7 @@ fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = (cores / usize::from(args.jobs)).max(1);
     let setting = Setting { adapter: args.adapter.clone(), scenes: args.scene.clone(), jobs: args.jobs, threads };
-    let first = Worker::of_sound_sources(setting, args.technique)?;
+    let first = Worker::of_sound_sources(setting, args.way()?)?;
     let others: Vec<Worker> = (1..args.jobs).map(|_| first.another()).collect();
     let bar = terminal::progress("mutants", left.len());
     let next = AtomicUsize::new(0);

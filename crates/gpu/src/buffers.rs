@@ -40,6 +40,8 @@ pub struct SceneBuffers {
     storage: [wgpu::Buffer; 4],
     shading: wgpu::Buffer,
     faces: usize,
+    /// Whether some face is bounded by loops.
+    pub is_trimmed: bool,
 }
 
 impl SceneBuffers {
@@ -87,7 +89,8 @@ impl SceneBuffers {
             let views_group = device.group("views", &views, [(VIEWS as u32, storage[VIEWS].as_entire_binding())]);
             (SceneLayouts { scene, views }, group, views_group)
         })?;
-        Ok(Self { layouts, group, views_group, storage, shading, faces })
+        let is_trimmed = scene.is_trimmed();
+        Ok(Self { layouts, group, views_group, storage, shading, faces, is_trimmed })
     }
 
     /// How many bytes they are, masks aside.

@@ -6,6 +6,7 @@ use common::software;
 use gbuffer::{GBuffer, Hit, Meta};
 use glam::{DVec2, DVec3};
 use gpu::{Atomics, DepthOrder, Device, Overrides, Renderer, RendererOptions};
+use pipeline::wgsl::{self, Variant};
 use pipeline::{PackedScene, Scheme, View};
 use raster::{Drawing, Rasterizer};
 use scene::{Camera, Model, Projection, Viewport};
@@ -149,6 +150,29 @@ fn the_farthest_triangle_is_another_one() {
         let (covered, others, _) = shot.apart(&expected, &shot.drawn_by(&mut renderer));
         assert!(others > 100, "{form:?}: {others} of {} differ", covered + others);
     }
+}
+
+#[test]
+fn questions_that_find_no_room_have_the_same_answers() {
+    let device = software();
+    let viewport = Viewport::new(64, 48).expect("a legal size");
+    let model = models::builtin("islands").expect("built in");
+    let scene = PackedScene::new(&model, Scheme::Specialised).expect("it packs");
+    let shot = Shot::new("fragment", &model, &scene, (Camera::framing(&model, viewport), viewport), 1.0);
+    let drawn = shot.by_compute(device.atomics());
+    let picture = |room: &str| {
+        let source = |variant: Variant| {
+            let source = wgsl::source(variant);
+            assert!(source.contains("call.room"));
+            source.replace("call.room", room)
+        };
+        let overrides = Overrides { source: Some(&source), ..Overrides::default() };
+        let options = RendererOptions { overrides, ..RendererOptions::default() };
+        shot.drawn_by(&mut Renderer::new(&device, &scene, &drawn, options).expect("it fits"))
+    };
+    let (all, few) = (picture("call.room"), picture("7u"));
+    assert!(all.covered() > 500);
+    assert!(all.pixels().eq(few.pixels()));
 }
 
 #[test]

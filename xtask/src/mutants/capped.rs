@@ -26,14 +26,15 @@ pub fn capped(program: &str) -> String {
 mod tests {
     use super::*;
     use crate::mutants::mutant::is_legal;
+    use crate::mutants::way::Way;
     use pipeline::wgsl::{self, Variant};
     use pipeline::{Program, TrimMethod};
 
     #[test]
     fn every_loop_of_every_program_counts_its_turns() {
-        for technique in techniques::ALL {
+        for way in Way::all() {
             let variant = Variant {
-                parts: technique.parts(),
+                parts: way.parts(),
                 program: Program::General,
                 curvature: true,
                 vertex_normals: false,
@@ -43,8 +44,8 @@ mod tests {
             let text = capped(&program);
             let lines = program.lines().map(|line| line.split("//").next().unwrap_or_default().trim());
             let loops = lines.filter(|line| ["for (", "while (", "loop {"].iter().any(|s| line.starts_with(s))).count();
-            assert!(loops > 0 && text.matches("turns_taken += 1u").count() == loops, "{}", technique.name());
-            assert!(is_legal(&text), "{}", technique.name());
+            assert!(loops > 0 && text.matches("turns_taken += 1u").count() == loops, "{}", way.label());
+            assert!(is_legal(&text), "{}", way.label());
         }
     }
 

@@ -2,12 +2,13 @@
 
 use super::operator::{Site, sites};
 use super::shown::Shown;
+use super::way::Way;
+use naga::valid::Capabilities;
 use pipeline::wgsl::{self, COMMON, Part, Variant};
 use pipeline::{Program, TrimMethod};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
-use techniques::Technique;
 
 /// What a mutant is known by as long as its line stays as it is, wherever it moves.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -97,11 +98,11 @@ impl Mutant {
             "trim.wgsl" | "sight.wgsl" => shown.model.is_trimmed(),
             _ => true,
         };
-        is_used && shown.is_of(tried_by(part)) && owner(part).is_none_or(|of| *of == *shown.plan.technique)
+        is_used && shown.is_of(tried_by(part)) && owner(part).is_none_or(|of| of == shown.way())
     }
 
     fn part(&self) -> &'static Part {
-        parts().find(|part| part.file == self.key.file).expect("mutants are made of the parts")
+        self.key.part().expect("mutants are made of the parts")
     }
 
     /// Whether naga accepts it, in the program of the lowest degree: the one of the smallest arrays.
@@ -116,38 +117,47 @@ impl Mutant {
     }
 }
 
+impl Key {
+    /// The part that it changes. Of two that may stand in one place of a program, it is the one with the line.
+    pub fn part(&self) -> Option<&'static Part> {
+        parts().find(|part| part.file == self.file && part.text.contains(&self.line))
+    }
+}
+
 /// All parts of all programs, each once: techniques share some.
-pub fn parts() -> impl Iterator<Item = &'static Part> {
-    let all = || COMMON.iter().chain(techniques::ALL.iter().flat_map(|technique| technique.parts()));
+fn parts() -> impl Iterator<Item = &'static Part> {
+    let all = || COMMON.iter().chain(Way::all().flat_map(|way| way.parts()));
     all()
         .enumerate()
         .filter(move |(index, part)| all().take(*index).all(|earlier| earlier != *part))
         .map(|(_, part)| part)
 }
 
-/// The technique whose programs alone have a part.
-fn owner(part: &Part) -> Option<&'static dyn Technique> {
-    techniques::ALL.iter().copied().find(|technique| technique.parts().contains(part))
+/// The first way whose programs have a part; none for the parts of all.
+fn owner(part: &Part) -> Option<Way> {
+    Way::all().find(|way| way.parts().contains(part))
 }
 
-/// The technique with whose mutants those of a part are tried: its own, the first for the parts of all.
-pub fn tried_by(part: &Part) -> &'static dyn Technique {
-    owner(part).unwrap_or(techniques::ALL[0])
+/// The way with whose mutants those of a part are tried: its own, the first for the parts of all.
+pub fn tried_by(part: &Part) -> Way {
+    owner(part).or_else(|| Way::all().next()).expect("there are techniques")
 }
 
 /// Whether a program parses and validates.
 pub fn is_legal(source: &str) -> bool {
-    let capabilities = naga::valid::Capabilities::default();
+    // Kernels may use atomics of 64 bits.
+    let wide = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
+    let capabilities = Capabilities::default() | wide;
     naga::front::wgsl::parse_str(source).is_ok_and(|module| {
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities).validate(&module).is_ok()
     })
 }
 
-/// All mutants of the parts that are tried by a technique. At each site the first replacement that compiles makes the
+/// All mutants of the parts that are tried by a way. At each site the first replacement that compiles makes the
 /// mutant; where none does, the first is stillborn.
-pub fn generate(technique: &'static dyn Technique) -> Generated {
+pub fn generate(way: Way) -> Generated {
     let all: Vec<(&Part, Site)> = parts()
-        .filter(|part| *tried_by(part) == *technique)
+        .filter(|part| tried_by(part) == way)
         .flat_map(|part| sites(part.text).into_iter().map(move |site| (part, site)))
         .collect();
     let born: Vec<(Mutant, bool)> = all
@@ -178,33 +188,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_sources_are_legal_and_a_mutant_changes_what_it_says() {
-        let variant = |technique: &dyn Technique| Variant {
-            parts: technique.parts(),
+    fn the_sources_are_legal_and_a_mutant_changes_what_it_says_and_is_known_by_it() {
+        let variant = |way: Way| Variant {
+            parts: way.parts(),
             program: Program::General,
             curvature: true,
             vertex_normals: false,
             trims: TrimMethod::CurvesWithEdges,
         };
-        for technique in techniques::ALL.iter().copied() {
-            assert!(is_legal(&wgsl::source(variant(technique))));
+        for way in Way::all() {
+            assert!(is_legal(&wgsl::source(variant(way))));
         }
-        let generated: Vec<Generated> = techniques::ALL.iter().map(|technique| generate(*technique)).collect();
-        assert!(generated.iter().all(|of| of.mutants.len() >= 60));
+        let generated: Vec<Generated> = Way::all().map(generate).collect();
+        assert!(generated.iter().all(|of| of.mutants.len() >= 40));
         for mutant in generated.iter().flat_map(|of| &of.mutants) {
-            let text = parts().find(|part| part.file == mutant.key.file).unwrap().text;
+            let text = mutant.part().text;
             assert_eq!(text[mutant.start..mutant.end], mutant.key.original);
             let line = text.lines().nth(mutant.line - 1).unwrap();
             assert!(line[mutant.column - 1..].starts_with(mutant.key.original.lines().next().unwrap()), "{mutant:?}");
             let variant = variant(tried_by(mutant.part()));
             assert!(mutant.source(variant) != wgsl::source(variant), "{mutant:?}");
         }
-    }
-
-    #[test]
-    fn keys_tell_all_mutants_apart() {
-        let mutants: Vec<Mutant> = techniques::ALL.iter().flat_map(|technique| generate(*technique).mutants).collect();
-        let keys: std::collections::HashSet<_> = mutants.iter().map(|m| &m.key).collect();
-        assert_eq!(keys.len(), mutants.len());
+        let keys = || generated.iter().flat_map(|of| &of.mutants).map(|mutant| &mutant.key);
+        assert_eq!(keys().collect::<std::collections::HashSet<_>>().len(), keys().count());
     }
 }

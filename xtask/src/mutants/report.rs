@@ -1,7 +1,8 @@
 //! What became of the mutants, for people and for machines.
 
-use super::mutant::{Key, Mutant, parts, tried_by};
+use super::mutant::{Key, Mutant, tried_by};
 use super::record::{Group, Kind};
+use super::way::Way;
 use super::worker::Outcome;
 use anyhow::Result;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
@@ -10,7 +11,6 @@ use isophote::{say, terminal};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Duration;
-use techniques::Technique;
 
 /// A mutant and what became of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -57,9 +57,9 @@ pub struct Report {
     pub mutants: Vec<Tried>,
 }
 
-/// Entries of the list that match no mutant, those apart of parts that another technique tries.
-pub fn unknown(reviewed: &[Group], mutants: &[Mutant], technique: &'static dyn Technique) -> Vec<Key> {
-    let is_of_another = |key: &Key| parts().any(|part| part.file == key.file && *tried_by(part) != *technique);
+/// Entries of the list that match no mutant, those apart of parts that are tried another way.
+pub fn unknown(reviewed: &[Group], mutants: &[Mutant], way: Way) -> Vec<Key> {
+    let is_of_another = |key: &Key| key.part().is_some_and(|part| tried_by(part) != way);
     let keys = reviewed.iter().flat_map(|group| &group.mutants).filter(|key| !is_of_another(key));
     keys.filter(|key| !mutants.iter().any(|m| m.key == **key)).cloned().collect()
 }

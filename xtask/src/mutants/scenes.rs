@@ -6,21 +6,23 @@ mod joints;
 mod made;
 
 use super::shown::{SIDE, Shown, framed};
+use super::way::Way;
 use compare::Claims;
 use gbuffer::ShadeKind;
 use glam::DVec3;
-use made::{builtin, cylinder, joined, orthographic, reversed, transposed};
+use isophote::stage::{Path, Plan};
+use made::{builtin, cylinder, joined, orthographic, reversed, stacked, transposed};
 use nurbs::{KnotVector, Surface};
 use pipeline::Scheme;
 use scene::{Camera, Model, Projection, Viewport};
-use techniques::Technique;
 
 /// The part that techniques of grids have.
 const GRIDS: &str = "grid/corner.wgsl";
 
-/// Those of a technique, in the order in which a mutant meets them.
-pub fn scenes(technique: &'static dyn Technique) -> Vec<Shown> {
+/// Those of a way, in the order in which a mutant meets them.
+pub fn scenes(Way { technique, path }: Way) -> Vec<Shown> {
     let scenes = match technique.claims() {
+        _ if path != Path::Fragment => covers(),
         Claims::Chord if technique.parts().iter().any(|part| part.file == GRIDS) => {
             [triangles(), joints::joints(), disc::discs()].concat()
         }
@@ -29,6 +31,7 @@ pub fn scenes(technique: &'static dyn Technique) -> Vec<Shown> {
     };
     let drawn = |mut shown: Shown| {
         shown.plan.technique = technique;
+        shown.plan.path = path;
         // Poles on purpose: what has no bound is not what is tried.
         shown.plan.unbounded_share = 1.0;
         shown
@@ -78,14 +81,6 @@ fn triangles() -> Vec<Shown> {
 
 /// What shows the search for roots: folds, grazing views, poles, hulls that the near plane cuts, and hulls of all sizes.
 fn hulls() -> Vec<Shown> {
-    let beside = |name, model: &str, eye: [f64; 3], fov_deg| {
-        let model = builtin(model);
-        let (center, size) = (model.hull().center(), model.hull().diagonal());
-        let projection = Projection::Perspective { fov_deg };
-        let eye = center + size * DVec3::from_array(eye);
-        let camera = Camera::look_at(eye, center, DVec3::Z, projection).expect("legal");
-        Shown { camera, ..framed(name, model, Scheme::Specialised) }
-    };
     // Programs of two degrees, each with pieces of its own, in pictures that are no squares.
     let two_degrees = |name, columns, rows| {
         let model = joined(&builtin("teapot"), &builtin("quintic-quadratic"));
@@ -112,6 +107,38 @@ fn hulls() -> Vec<Shown> {
         two_degrees("two degrees, wide", 96, 40),
         two_degrees("two degrees, tall", 40, 96),
     ]
+}
+
+/// What shows who covers a pixel, and who is nearest there: triangles of all sizes, some cut by the near plane, some of faces
+/// with trims, in pictures that are no squares.
+fn covers() -> Vec<Shown> {
+    let coarse = |shown: Shown| Shown { plan: Plan { chord_px: 8.0, ..shown.plan }, ..shown };
+    let wide = |shown: Shown| Shown { viewport: Viewport::new(70, 40).expect("a legal size"), ..shown };
+    let trimmed = |name, model| framed(name, builtin(model), Scheme::Specialised);
+    vec![
+        wide(Shown { shade: ShadeKind::Face, ..framed("many faces", builtin("teapot"), Scheme::Specialised) }),
+        steep(),
+        edge_on_centres(false),
+        edge_on_centres(true),
+        coarse(wide(beside("within", "teapot", [0.02, 0.03, 0.05], 60.0))),
+        coarse(wide(beside("across waves", "surface", [0.5, 0.1, 0.03], 60.0))),
+        wide(beside("grazing", "torus", [1.1, 0.2, 0.06], 45.0)),
+        trimmed("islands", "islands"),
+        coarse(trimmed("large faces with trims", "window")),
+        framed("a word", builtin("text"), Scheme::General),
+        // More questions than there is room for.
+        framed("a stack of faces with trims", stacked(&builtin("islands"), 8), Scheme::Specialised),
+    ]
+}
+
+/// A model seen from a place that is so many times its size from its middle.
+fn beside(name: &'static str, model: &str, eye: [f64; 3], fov_deg: f64) -> Shown {
+    let model = builtin(model);
+    let (center, size) = (model.hull().center(), model.hull().diagonal());
+    let projection = Projection::Perspective { fov_deg };
+    let eye = center + size * DVec3::from_array(eye);
+    let camera = Camera::look_at(eye, center, DVec3::Z, projection).expect("legal");
+    Shown { camera, ..framed(name, model, Scheme::Specialised) }
 }
 
 /// A flat bilinear square over [−1, 1]² with u along −x and v along y, so that u = 1 on its left edge in the picture and

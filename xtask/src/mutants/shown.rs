@@ -1,11 +1,11 @@
 //! A scene that mutants are shown on.
 
+use super::way::Way;
 use compare::Claims;
 use gbuffer::{ShadeKind, Shading};
 use isophote::stage::Plan;
 use pipeline::Scheme;
 use scene::{Camera, Model, Viewport};
-use techniques::Technique;
 
 /// A model, who looks, and how it is drawn.
 #[derive(Clone)]
@@ -18,7 +18,7 @@ pub struct Shown {
     pub camera: Camera,
     /// At how many pixels.
     pub viewport: Viewport,
-    /// How it is drawn; the technique is set by who draws.
+    /// How it is drawn; technique and path are set by who draws.
     pub plan: Plan,
     /// Cells of a uniform tessellation in place of one by chord error.
     pub cells: Option<usize>,
@@ -42,11 +42,16 @@ impl Shown {
         Shading::new(self.shade).with_band_deg(BAND_DEG).expect("a legal width")
     }
 
-    /// Whether mutants of a technique's parts are shown on it. Those of the parts that all techniques have are changed with the
-    /// first; they are drawn by a search, too, where faces meet, and not on all scenes that its own parts ask for.
-    pub fn is_of(&self, technique: &'static dyn Technique) -> bool {
-        let is_shared = *technique == *techniques::ALL[0] && self.fills;
-        *self.plan.technique == *technique || is_shared && self.plan.technique.claims() == Claims::OnRay
+    /// Who draws it.
+    pub fn way(&self) -> Way {
+        Way { technique: self.plan.technique, path: self.plan.path }
+    }
+
+    /// Whether mutants of a way's parts are shown on it. Those of the parts that all have are changed with the first; they are
+    /// drawn by a search, too, where faces meet, and not on all scenes that its own parts ask for.
+    pub fn is_of(&self, way: Way) -> bool {
+        let is_shared = Way::all().next() == Some(way) && self.fills;
+        self.way() == way || is_shared && self.plan.technique.claims() == Claims::OnRay
     }
 }
 

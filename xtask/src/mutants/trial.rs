@@ -5,7 +5,7 @@ use super::shown::Shown;
 use anyhow::{Result, bail};
 use compare::{Claims, Verdict};
 use gbuffer::{GBuffer, Hit};
-use isophote::stage::{Plan, Stage};
+use isophote::stage::{Path, Plan, Stage};
 use pipeline::Parameters;
 use pipeline::fragment::{Fragment, fragment};
 use pipeline::wgsl::{self, Variant};
@@ -45,6 +45,9 @@ pub struct Trial<'s> {
     evaluations: Vec<u32>,
     /// For how many pixels it has no answer then.
     undecided: usize,
+    /// What the CPU rasterizer shows, where kernels promise the same faces and spans: where no trims decide, and triangles
+    /// have spans of their own.
+    rasterized: Option<GBuffer>,
 }
 
 impl<'s> Trial<'s> {
@@ -80,12 +83,14 @@ impl<'s> Trial<'s> {
             Claims::Chord => (vec![], 0),
             Claims::OnRay => {
                 let options = gpu::RendererOptions { curvature: true, ..Default::default() };
-                let mut renderer = gpu::Renderer::new(device, &stage.scene, &*stage.prepared, options)?;
+                let mut renderer = stage.renderer_of(device, options)?;
                 let buffer = renderer.gbuffer(&stage.views, &stage.camera, shown.viewport, stage.meta("gpu"))?;
                 (renderer.evaluations(&stage.views, shown.viewport)?, buffer.undecided())
             }
         };
-        Ok(Self { shown, stage, caster, reference, evaluations, undecided })
+        let are_kept = shown.cells.is_none() && !shown.model.is_trimmed();
+        let rasterized = (shown.plan.path != Path::Fragment && are_kept).then(|| stage.raster());
+        Ok(Self { shown, stage, caster, reference, evaluations, undecided, rasterized })
     }
 
     /// Draws with the programs that `source` makes, their loops capped, and judges them. A GPU that refuses or fails is a
@@ -111,13 +116,13 @@ impl<'s> Trial<'s> {
 
     /// The picture's G-buffer first, and only then, with a program of its own, what the fragment stage shades.
     fn judged(&self, device: &gpu::Device, overrides: gpu::Overrides) -> Result<Option<Catch>> {
-        let Stage { scene, prepared, views, camera, viewport, .. } = &self.stage;
+        let Stage { views, camera, viewport, .. } = &self.stage;
         let shading = self.shown.shading();
         let uniform = shading.uniform(camera, self.shown.model.hull().diagonal());
         let vertex_normals = self.shown.vertex_normals;
         let options = gpu::RendererOptions { curvature: !vertex_normals, vertex_normals, overrides };
         let refused = |error: gpu::GpuError| Ok(Some(self.caught(REFUSED, error.to_string())));
-        let mut renderer = match gpu::Renderer::new(device, scene, &**prepared, options) {
+        let mut renderer = match self.stage.renderer_of(device, options) {
             Ok(renderer) => renderer,
             Err(error) => return refused(error),
         };
@@ -134,6 +139,9 @@ impl<'s> Trial<'s> {
             };
             if let Some(detail) = self.wrong_record(&fragments) {
                 return Ok(Some(self.caught("record", detail)));
+            }
+            if let Some(detail) = self.wrong_face(&gbuffer) {
+                return Ok(Some(self.caught("visibility", detail)));
             }
             let pair = self.stage.against_raycast(&self.caster, &self.reference, &gbuffer)?;
             // Of some scenes, so near a pole, no pixel has a verdict on where it is; values are judged all the same.
@@ -194,6 +202,16 @@ impl<'s> Trial<'s> {
             let words = |f: &Fragment| format!("span {:?}, {:?}, speeds {:?}", f.span, f.status, f.speed);
             Some(format!("at (u, v) = {:?}: {}, not {}", f.uv, words(f), words(e)))
         })
+    }
+
+    /// The first pixel that shows another face or span than on the CPU, or that one of both shows alone.
+    fn wrong_face(&self, gbuffer: &GBuffer) -> Option<String> {
+        let place = |hit: Option<&Hit>| hit.map(|hit| (hit.face, hit.local.map(|local| local.span)));
+        let expected = self.rasterized.as_ref()?.pixels().map(place);
+        let (pixel, (is, expected)) =
+            gbuffer.pixels().map(place).zip(expected).enumerate().find(|(_, (is, expected))| is != expected)?;
+        let (x, y) = (pixel % self.shown.viewport.width(), pixel / self.shown.viewport.width());
+        Some(format!("({x}, {y}) shows {is:?}, not {expected:?}"))
     }
 
     /// Pixels for which the search takes another path than unchanged: it ends at the same place, or the

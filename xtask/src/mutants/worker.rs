@@ -9,6 +9,7 @@ use super::mutant::Mutant;
 use super::scenes::scenes;
 use super::shown::Shown;
 use super::trial::{Catch, REFUSED, Shot, Trial};
+use super::way::Way;
 use anyhow::{Context, Result, bail};
 use pipeline::wgsl;
 use serde::{Deserialize, Serialize};
@@ -16,7 +17,6 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
-use techniques::Technique;
 
 /// How long a scene may keep a worker busy.
 #[derive(Debug, Clone, Copy)]
@@ -74,7 +74,7 @@ pub struct Setting {
 pub enum Job {
     /// Whether a mutant is caught.
     Mutant(Mutant),
-    /// Whether the sources as they are agree on every scene that mutants of this technique's parts are shown on.
+    /// Whether the sources as they are agree on every scene that mutants of this way's parts are shown on.
     Sound(String),
 }
 
@@ -107,7 +107,7 @@ pub enum Outcome {
 pub fn serve(adapter: Option<&str>, names: &[String]) -> Result<()> {
     let device = gpu::Device::open(adapter)?;
     let is_chosen = |shown: &Shown| names.is_empty() || names.iter().any(|name| name == shown.name);
-    let shown: Vec<Shown> = techniques::ALL.iter().copied().flat_map(scenes).filter(is_chosen).collect();
+    let shown: Vec<Shown> = Way::all().flat_map(scenes).filter(is_chosen).collect();
     let mut trials: Vec<Option<Trial>> = shown.iter().map(|_| None).collect();
     let say = |word: Word| -> Result<()> {
         let mut out = std::io::stdout().lock();
@@ -146,7 +146,7 @@ fn answer<'s>(
     let mut agreed = 0;
     let is_shown = |(shown, _): &(&Shown, _)| match job {
         Job::Mutant(mutant) => mutant.is_shown_by(shown),
-        Job::Sound(technique) => techniques::named(technique).is_some_and(|technique| shown.is_of(technique)),
+        Job::Sound(label) => Way::all().any(|way| way.label() == *label && shown.is_of(way)),
     };
     for (shown, trial) in shown.iter().zip(trials).filter(is_shown) {
         say(Word::Scene(shown.name.to_owned()))?;
@@ -179,19 +179,19 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// A worker that has drawn the sources as they are on every scene of a technique's mutants, and found that they agree.
+    /// A worker that has drawn the sources as they are on every scene of a way's mutants, and found that they agree.
     /// Its time is the measure of the mutants'.
     ///
     /// # Errors
     /// Where it cannot be started or cannot judge, or the sources do not agree.
-    pub fn of_sound_sources(setting: Setting, technique: &dyn Technique) -> Result<Self> {
+    pub fn of_sound_sources(setting: Setting, way: Way) -> Result<Self> {
         let mut worker = Self { setting, limits: Limits::SOUND, running: None };
         let mut slowest = Limits { cpu: Duration::ZERO, wall: Duration::ZERO };
-        match worker.drawn(&Job::Sound(technique.name().to_owned()), &mut slowest)? {
+        match worker.drawn(&Job::Sound(way.label()), &mut slowest)? {
             Outcome::Caught(Catch { scene, cause, detail }) => {
                 bail!("the sources as they are do not agree on {scene}: {cause}: {detail}")
             }
-            Outcome::Survived(0) => bail!("no scene of technique {} is called so", technique.name()),
+            Outcome::Survived(0) => bail!("no scene of {} is called so", way.label()),
             Outcome::Survived(_) => {}
         }
         worker.limits = Limits::after(slowest, worker.setting.jobs.into());

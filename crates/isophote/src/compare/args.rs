@@ -84,7 +84,7 @@ pub struct DrawingArgs {
     technique: &'static dyn Technique,
     /// Who finds the triangles on the GPU: its own rasterizer, or compute kernels with the CPU rasterizer's coverage to the bit
     #[arg(long, value_enum, default_value = "fragment", hide_short_help = true)]
-    path: PathName,
+    path: Path,
     /// Programs of a few specialised degrees, or one for any
     #[arg(long, hide_short_help = true, value_enum, default_value = "specialised")]
     scheme: SchemeName,
@@ -106,17 +106,6 @@ pub struct DrawingArgs {
     /// Part of the GPU adapter's name (`isophote adapters`)
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum PathName {
-    /// The rasterizer of the GPU; the program runs in the fragment stage
-    Fragment,
-    /// Compute kernels, with 64-bit atomics where the adapter has them
-    Compute,
-    /// Compute kernels, with 32-bit atomics
-    #[value(name = "compute-32")]
-    Compute32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -182,11 +171,7 @@ impl DrawingArgs {
         };
         Plan {
             technique: self.technique,
-            path: match self.path {
-                PathName::Fragment => Path::Fragment,
-                PathName::Compute => Path::Compute,
-                PathName::Compute32 => Path::Compute32,
-            },
+            path: self.path,
             scheme,
             chord_px: self.chord,
             trim: self.trim.trimming(),

@@ -1,6 +1,7 @@
 //! How a model is drawn.
 
 use anyhow::{Result, bail};
+use clap::ValueEnum;
 use compare::UNBOUNDED_SHARE;
 use pipeline::mask::{MaskPlan, Masks, Trimming};
 use pipeline::{PackedScene, Scheme};
@@ -9,14 +10,15 @@ use std::sync::Arc;
 use techniques::{ByCompute, DEFAULT_CHORD_PX, Limits, Prepared, Technique};
 
 /// Who finds the triangles that the GPU shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Path {
-    /// Its own rasterizer; the program runs in the fragment stage.
+    /// The rasterizer of the GPU; the program runs in the fragment stage
     #[default]
     Fragment,
-    /// Kernels, with atomics of 64 bits where the adapter has them.
+    /// Compute kernels, with 64-bit atomics where the adapter has them
     Compute,
-    /// Kernels, with atomics of 32 bits.
+    /// Compute kernels, with 32-bit atomics
+    #[value(name = "compute-32")]
     Compute32,
 }
 

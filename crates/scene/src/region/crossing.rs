@@ -28,15 +28,15 @@ const HALVINGS: u32 = 40;
 /// The sine below which two chords are parallel.
 const PARALLEL: f64 = 1e-9;
 
-/// The most pairs of pieces, halves of them and places that are looked at for one face: two seconds.
+/// The most pairs of pieces, halves of them and places that are looked at for one face: some seconds.
 ///
 /// A plate with ten thousand holes, circles of four arcs, takes 3e5 to 6e5; two circles that are one but for rounding 1.3e5.
-const STEPS: usize = 4_000_000;
+const STEPS: usize = 1_000_000;
 
 /// Pairs of boxes that count as one step: each is two comparisons.
 const BOXES_A_STEP: usize = 64;
 
-/// Steps that a meeting counts for, so that the most steps bound memory, too: 100 MB.
+/// Steps that a meeting counts for, so that the most steps bound memory, too: 25 MB.
 const MEETING_STEPS: usize = 4;
 
 /// A part of a loop on which u and v are both monotone, in shares of the domain.

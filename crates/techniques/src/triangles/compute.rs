@@ -41,8 +41,16 @@ const WORKGROUP: u32 = 64;
 /// Workgroups that share triangles of unknown number: enough to fill the largest chips, and soon done where there are none.
 const SHARING: u32 = 2048;
 
-/// Counts a call and round: large triangles, and cut ones.
-const COUNTS: usize = 2;
+/// Counts a call and round: large triangles, cut ones, and questions.
+const COUNTS: usize = 3;
+
+/// Words of a question in `shaders/raster/entry.wgsl`.
+const QUESTION: u64 = 5;
+
+/// Questions that wait at once, each whether a bounded face is at a pixel: so many a pixel of the picture, and so many of any
+/// picture (84 MB). Where some find no room, all are answered where they arise, by one workgroup a triangle.
+const QUESTIONS_A_PIXEL: u64 = 2;
+const GREATEST_ROOM: u64 = 1 << 22;
 
 /// `Call` in `shaders/raster/entry.wgsl`, filled up to [`PART_STRIDE`].
 #[repr(C)]
@@ -57,7 +65,9 @@ struct Call {
     counts: u32,
     waiting: u32,
     clears: u32,
-    aligned: [u32; 3],
+    questions: u32,
+    room: u32,
+    aligned: u32,
     nothing: [f32; 4],
     padding: [u32; 48],
 }
@@ -69,6 +79,8 @@ enum Kernel {
     CoverSmall { round: usize },
     CoverLarge { round: usize },
     CoverCut { round: usize },
+    Answer { round: usize },
+    AnswerRest { round: usize },
     Resolve(Output),
 }
 
@@ -79,19 +91,26 @@ impl Kernel {
             Kernel::CoverSmall { .. } => "cover_small",
             Kernel::CoverLarge { .. } => "cover_large",
             Kernel::CoverCut { .. } => "cover_cut",
+            Kernel::Answer { .. } => "answer",
+            Kernel::AnswerRest { .. } => "answer_rest",
             Kernel::Resolve(Output::GBuffer) => "resolve_gbuffer",
             Kernel::Resolve(Output::Shaded) => "resolve_shaded",
         }
     }
 
     fn is_second(self) -> bool {
-        use Kernel::{CoverCut, CoverLarge, CoverSmall};
-        matches!(self, CoverSmall { round: 1 } | CoverLarge { round: 1 } | CoverCut { round: 1 })
+        use Kernel::{Answer, AnswerRest, CoverCut, CoverLarge, CoverSmall};
+        match self {
+            CoverSmall { round } | CoverLarge { round } | CoverCut { round } => round == 1,
+            Answer { round } | AnswerRest { round } => round == 1,
+            Kernel::PlaceCorners | Kernel::Resolve(_) => false,
+        }
     }
 
-    fn that_cover(atomics: Atomics) -> impl Iterator<Item = Kernel> {
-        (0..rounds(atomics))
-            .flat_map(|round| [Kernel::CoverSmall { round }, Kernel::CoverLarge { round }, Kernel::CoverCut { round }])
+    /// Those of a round, in the order in which a call takes them.
+    fn that_cover(round: usize) -> [Kernel; 5] {
+        use Kernel::{Answer, AnswerRest, CoverCut, CoverLarge, CoverSmall};
+        [CoverSmall { round }, CoverLarge { round }, CoverCut { round }, Answer { round }, AnswerRest { round }]
     }
 }
 
@@ -112,6 +131,14 @@ pub struct ByCompute {
 }
 
 impl ByCompute {
+    /// The parts of a program by these atomics; the first holds the entry points.
+    pub fn parts_by(atomics: Atomics) -> &'static [Part] {
+        match atomics {
+            Atomics::Bits64 => PARTS_64,
+            Atomics::Bits32 => PARTS_32,
+        }
+    }
+
     /// What is prepared, drawn by kernels with these atomics; `None` where it has no triangles.
     pub fn new(prepared: Arc<dyn Prepared>, atomics: Atomics) -> Option<Self> {
         prepared.mesh()?;
@@ -129,10 +156,7 @@ impl Drawable for ByCompute {
     }
 
     fn parts(&self) -> &'static [Part] {
-        match self.atomics {
-            Atomics::Bits64 => PARTS_64,
-            Atomics::Bits32 => PARTS_32,
-        }
+        Self::parts_by(self.atomics)
     }
 
     fn stages(&self) -> ShaderStages {
@@ -155,6 +179,7 @@ impl Drawable for ByCompute {
             technique,
             atomics,
             depth,
+            is_trimmed: scene.is_trimmed,
             fed,
             zeros,
             layout,
@@ -171,10 +196,10 @@ struct Fed {
     /// Vertices, then indices.
     mesh: wgpu::Buffer,
     corners: wgpu::Buffer,
-    queue: wgpu::Buffer,
     /// Triangles of each program: the first, and how many.
     batches: Vec<(Program, [u32; 2])>,
     vertices: u32,
+    triangles: u64,
     rounds: usize,
 }
 
@@ -184,13 +209,12 @@ impl Fed {
         let words = [vertices, bytemuck::cast_slice(&mesh.indices)].concat();
         let triangles = |batch: &pipeline::Batch| (batch.program, [batch.first / 3, batch.count / 3]);
         let batches: Vec<_> = mesh.batches.iter().filter(|batch| batch.count > 0).map(triangles).collect();
-        let queue = 4 * (COUNTS * rounds * batches.len() + mesh.triangles()).max(1) as u64;
         Ok(Self {
             mesh: device.storage("vertices and indices", &words)?,
             corners: device.empty("corners in the picture", 16 * mesh.vertices.len().max(1) as u64)?,
-            queue: device.empty("triangles that wait", queue)?,
             batches,
             vertices: mesh.vertices.len() as u32,
+            triangles: mesh.triangles() as u64,
             rounds,
         })
     }
@@ -200,8 +224,13 @@ impl Fed {
         4 * (COUNTS * self.rounds * self.batches.len()) as u64
     }
 
-    /// A call a batch and round.
-    fn calls(&self, targets: &Targets) -> Vec<Call> {
+    /// Bytes of the counts and of all triangles.
+    fn waiting(&self) -> u64 {
+        self.counts() + 4 * self.triangles
+    }
+
+    /// A call a batch and round, with room for so many questions.
+    fn calls(&self, targets: &Targets, room: u64) -> Vec<Call> {
         let all_counts = COUNTS * self.rounds * self.batches.len();
         let nothing = targets.nothing();
         let call = |(index, &(_, [first, count])): (usize, &(Program, [u32; 2])), round: usize| Call {
@@ -214,7 +243,9 @@ impl Fed {
             counts: (COUNTS * (round * self.batches.len() + index)) as u32,
             waiting: all_counts as u32 + first,
             clears: u32::from(index == 0),
-            aligned: [0; 3],
+            questions: (self.waiting() / 4) as u32,
+            room: room as u32,
+            aligned: 0,
             nothing,
             padding: [0; 48],
         };
@@ -229,6 +260,7 @@ struct Kernels {
     technique: &'static str,
     atomics: Atomics,
     depth: DepthOrder,
+    is_trimmed: bool,
     fed: Fed,
     zeros: wgpu::Buffer,
     layout: wgpu::BindGroupLayout,
@@ -267,12 +299,12 @@ impl Pass for Kernels {
     }
 
     fn bytes(&self) -> u64 {
-        self.fed.mesh.size() + self.fed.corners.size() + self.fed.queue.size()
+        self.fed.mesh.size() + self.fed.corners.size() + self.fed.waiting()
     }
 
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
-        let kernels: Vec<_> =
-            Kernel::that_cover(self.atomics).chain([Kernel::PlaceCorners, Kernel::Resolve(output)]).collect();
+        let covering = (0..rounds(self.atomics)).flat_map(Kernel::that_cover);
+        let kernels: Vec<_> = covering.chain([Kernel::PlaceCorners, Kernel::Resolve(output)]).collect();
         for (&program, module) in modules {
             for &kernel in &kernels {
                 if !self.pipelines.contains_key(&(program, kernel)) {
@@ -285,22 +317,25 @@ impl Pass for Kernels {
     }
 
     fn frame(&self, device: &Device, targets: &Targets) -> Result<Box<dyn Frame>, GpuError> {
-        let seen = device.empty("who is seen", 8 * targets.viewport.pixels() as u64)?;
-        let mut calls = self.fed.calls(targets);
+        let pixels = targets.viewport.pixels() as u64;
+        let seen = device.empty("who is seen", 8 * pixels)?;
+        let room = if self.is_trimmed { (QUESTIONS_A_PIXEL * pixels).min(GREATEST_ROOM) } else { 0 };
+        let queue = device.empty("what waits", (self.fed.waiting() + 4 * QUESTION * room).max(4))?;
+        let mut calls = self.fed.calls(targets, room);
         if calls.is_empty() {
             calls.push(Zeroable::zeroed());
         }
         let calls = device.buffer("calls", BufferUsages::UNIFORM, bytemuck::cast_slice(&calls))?;
         let (group, targets) = device.guarded("setting up", || {
-            let Fed { mesh, corners, queue, .. } = &self.fed;
-            let buffers = whole([mesh, corners, &seen, queue]);
+            let Fed { mesh, corners, .. } = &self.fed;
+            let buffers = whole([mesh, corners, &seen, &queue]);
             let call = part(&calls, PART_STRIDE as u64);
             let resources = buffers.chain([(4, call), (5, self.zeros.as_entire_binding())]);
             let group = device.group("triangles", &self.layout, resources);
             (group, resolve::group(device, &self.resolve_layouts[&targets.output].0, targets))
         })?;
-        let (atomics, fed, pipelines) = (self.atomics, self.fed.clone(), self.pipelines.clone());
-        Ok(Box::new(Covered { atomics, fed, pipelines, seen, group, targets }))
+        let (fed, pipelines) = (self.fed.clone(), self.pipelines.clone());
+        Ok(Box::new(Covered { fed, pipelines, seen, queue, asks: room > 0, group, targets }))
     }
 
     fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
@@ -319,10 +354,12 @@ impl Pass for Kernels {
 
 /// One picture of the triangles.
 struct Covered {
-    atomics: Atomics,
     fed: Fed,
     pipelines: HashMap<(Program, Kernel), wgpu::ComputePipeline>,
     seen: wgpu::Buffer,
+    queue: wgpu::Buffer,
+    /// Whether there are questions.
+    asks: bool,
     group: wgpu::BindGroup,
     targets: wgpu::BindGroup,
 }
@@ -353,17 +390,22 @@ impl Covered {
     }
 
     fn covering(&self, batches: &[(usize, Program, u32)]) -> Vec<Dispatch> {
-        let of_batch = |kernel: Kernel, &(index, program, count): &(usize, Program, u32)| {
-            let groups = match kernel {
-                Kernel::CoverSmall { .. } => workgroups(count, WORKGROUP),
-                _ => [SHARING, 1],
-            };
-            let call = index + usize::from(kernel.is_second()) * self.fed.batches.len();
-            Dispatch { kernel, call, program, groups }
-        };
-        Kernel::that_cover(self.atomics)
-            .flat_map(|kernel| batches.iter().map(move |batch| of_batch(kernel, batch)))
-            .collect()
+        let mut dispatches = vec![];
+        for round in 0..self.fed.rounds {
+            // Questions of one batch are answered before those of the next take their place.
+            for &(index, program, count) in batches {
+                let call = index + round * self.fed.batches.len();
+                for kernel in Kernel::that_cover(round) {
+                    let groups = match kernel {
+                        Kernel::Answer { .. } | Kernel::AnswerRest { .. } if !self.asks => continue,
+                        Kernel::CoverSmall { .. } => workgroups(count, WORKGROUP),
+                        _ => [SHARING, 1],
+                    };
+                    dispatches.push(Dispatch { kernel, call, program, groups });
+                }
+            }
+        }
+        dispatches
     }
 
     fn resolving(&self, batches: &[(usize, Program, u32)], targets: &Targets) -> Vec<Dispatch> {
@@ -392,7 +434,7 @@ impl Frame for Covered {
         resolve::clear_unless_first(encoder, targets, batches.first().map(|&(index, ..)| index));
         encoder.clear_buffer(&self.seen, 0, None);
         if self.fed.counts() > 0 {
-            encoder.clear_buffer(&self.fed.queue, 0, Some(self.fed.counts()));
+            encoder.clear_buffer(&self.queue, 0, Some(self.fed.counts()));
         }
         let parts = [
             ("place", self.placing(&batches)),
@@ -440,7 +482,9 @@ mod tests {
                 module.global_expressions[constant.init].clone()
             };
             let vertex = (size_of::<Vertex>() / 4) as u32;
-            for (name, expected) in [("WORKGROUP", WORKGROUP), ("TILE", resolve::TILE), ("VERTEX", vertex)] {
+            let sizes =
+                [("WORKGROUP", WORKGROUP), ("TILE", resolve::TILE), ("VERTEX", vertex), ("QUESTION", QUESTION as u32)];
+            for (name, expected) in sizes {
                 assert_eq!(value(name), Expression::Literal(Literal::U32(expected)), "{name}");
             }
         }

@@ -55,6 +55,20 @@ pub(super) fn joined(a: &Model, b: &Model) -> Model {
     Model::new(a.name(), [a.surfaces(), b.surfaces()].concat(), faces).expect("as legal as before")
 }
 
+/// So many of a model, each above the last by a sixteenth of its size: as many faces lie behind one pixel.
+pub(super) fn stacked(model: &Model, count: usize) -> Model {
+    let step = DVec3::Z * (model.hull().diagonal() / 16.0);
+    let moved = |k: usize| {
+        let surfaces = model.surfaces().iter().map(|surface| {
+            let [ku, kv] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
+            let points = surface.points().iter().map(|point| *point + step * k as f64).collect();
+            Surface::new(ku, kv, points, surface.weights().map(<[f64]>::to_vec)).expect("as legal as before")
+        });
+        Model::new(model.name(), surfaces.collect(), model.faces().to_vec()).expect("as legal as before")
+    };
+    (1..count).map(moved).fold(model.clone(), |below, above| joined(&below, &above))
+}
+
 /// The same surfaces, seen from their other side.
 pub(super) fn reversed(model: Model) -> Model {
     let faces = model.faces().iter().map(|face| Face { reversed: !face.reversed, ..face.clone() }).collect();
