@@ -1,0 +1,24 @@
+//! A picture's programs, buffers and commands in a folder, for any host of WebGPU to play.
+//!
+//! [`record::Recording`] draws a picture on a device whose calls wgpu itself writes down, so that no renderer knows of
+//! capsules and nothing that a device is asked can be missing from one. [`folder`] writes and reads them, [`play`] is a host,
+//! and [`answer`] makes the G-buffer of what a host hands back, which is bytes of textures and buffers and no more.
+
+mod answer;
+mod descriptors;
+mod document;
+mod error;
+mod folder;
+mod objects;
+mod passes;
+mod play;
+mod record;
+mod table;
+mod tape;
+
+pub use answer::gbuffer;
+pub use document::{ANSWER_FILE, Answer, CAPSULE_FILE, Capsule, Host};
+pub use error::CapsuleError;
+pub use folder::{Contents, Played};
+pub use play::play;
+pub use record::Recording;
