@@ -1,10 +1,11 @@
 //! A picture's programs, buffers and commands in a folder, for any host of WebGPU to play.
 //!
-//! [`record::Recording`] draws a picture on a device whose calls wgpu itself writes down, so that no renderer knows of
-//! capsules and nothing that a device is asked can be missing from one. [`folder`] writes and reads them, [`play`] is a host,
-//! and [`answer`] makes the G-buffer of what a host hands back, which is bytes of textures and buffers and no more.
+//! [`Recording`] draws a picture on a device whose calls wgpu itself writes down, so that no renderer knows of
+//! capsules and nothing that a device is asked can be missing from one. [`mod@folder`] writes and reads them, [`mod@play`] is a host,
+//! and [`mod@answer`] makes the G-buffer of what a host hands back, which is bytes of textures and buffers and no more.
 
 mod answer;
+mod commands;
 mod descriptors;
 mod document;
 mod error;

@@ -1,7 +1,11 @@
 //! Capsules: what is played of one is what was drawn, to the bit; and one that is damaged says so.
 
-use gbuffer::GBuffer;
-use gpu::capsule::{CapsuleError, Contents, Played, gbuffer, play};
+use gbuffer::{GBuffer, Meta};
+use glam::DVec3;
+use gpu::capsule::{CapsuleError, Contents, Played, Recording, gbuffer, play};
+use isophote::stage::{Plan, Stage};
+use isophote::view::ModelArgs;
+use scene::{Camera, Viewport};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -63,6 +67,30 @@ fn the_played_picture_is_the_drawn_one_to_the_bit() {
         assert!(valid("capsule-1.json", &document(&capsule.join("capsule.json"))), "{scene:?}");
         assert!(valid("answer-1.json", &document(&folder.join("answer/answer.json"))), "{scene:?}");
     }
+}
+
+#[test]
+fn of_a_picture_that_is_drawn_anew_for_want_of_room_the_last_is_kept() {
+    let model = ModelArgs::named("teapot").read().expect("a built-in model").model;
+    let viewport = Viewport::new(48, 48).expect("a legal size");
+    let near = Camera::framing(&model, viewport);
+    let eye = near.target() + 1e3 * (near.eye() - near.target());
+    let far = Camera::look_at(eye, near.target(), DVec3::Z, near.projection()).expect("a camera");
+    let technique = techniques::named("grid").expect("a technique");
+    let plan = Plan { technique, chord_px: 0.002, ..Plan::default() };
+    // Prepared for a few pixels, and drawn large.
+    let stage = Stage::new(&model, far, viewport, plan).expect("it is drawn");
+    let recording = Recording::new(None).expect("an adapter");
+    let views = stage.scene.views(&model, &near, viewport);
+    let mut renderer = stage.renderer(recording.device(), Default::default()).expect("it is uploaded");
+    let meta = Meta::new("gpu", "grid", &model, &near);
+    let drawn = renderer.gbuffer(&views, &near, viewport, meta).expect("a picture");
+    drop(renderer);
+    let contents = recording.finish(&stage.scene, &drawn, true).expect("a capsule");
+    // At first there is room for 1024 tiles, and then for half as many again as there were.
+    assert!(contents.capsule().room > Some(1536), "{:?}", contents.capsule().room);
+    let played = gbuffer(&contents, &play(&contents, None).expect("it is played")).expect("a picture");
+    assert!(played.npz_bytes().expect("bytes") == drawn.npz_bytes().expect("bytes"));
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! What a capsule has, on a device of wgpu.
 
+use super::commands::Range;
 use super::document::{
-    Binding, Buffer, BufferKind, ComputePipeline, Group, GroupEntry, GroupLayout, LayoutEntry, Module, Range,
-    RenderPipeline, Resource, SampleType, Stage, Target, Texture, VertexBuffer,
+    Binding, Buffer, BufferKind, ComputePipeline, Group, GroupEntry, GroupLayout, LayoutEntry, Module, RenderPipeline,
+    Resource, SampleType, Stage, Target, Texture, VertexBuffer,
 };
 use super::error::CapsuleError;
 use super::folder::Contents;

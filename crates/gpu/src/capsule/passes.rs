@@ -1,6 +1,7 @@
 //! The passes of wgpu's trace, as a capsule has them.
 
-use super::document::{Attachment, Buffer, Command, ComputeStep, DepthAttachment, Range, RenderStep, SetGroup};
+use super::commands::{Attachment, Command, ComputeStep, DepthAttachment, Range, RenderStep, SetGroup};
+use super::document::Buffer;
 use super::error::CapsuleError;
 use super::table::{Table, unsupported};
 use std::convert::Infallible;

@@ -3,9 +3,8 @@
 //! A capsule may be of any origin. What it names must be there and ranges must lie in their buffers; the rest is checked by
 //! wgpu, whose refusal is an error like any other.
 
-use super::document::{
-    Attachment, Command, ComputeStep, DepthAttachment, Host, Range, Read, RenderStep, Resource, SetGroup,
-};
+use super::commands::{Attachment, Command, ComputeStep, DepthAttachment, Range, RenderStep, SetGroup};
+use super::document::{Host, Read, Resource};
 use super::error::CapsuleError;
 use super::folder::{Contents, Files, Played};
 use super::objects::{Objects, at};

@@ -4,10 +4,11 @@
 //! records otherwise does not compile here, and what capsules do not hold is an error. An object's address names it until it
 //! is dropped, so names are resolved in the order of the calls.
 
+use super::commands::{Attachment, Command, Range};
 use super::descriptors::{buffer, group_layout, render_pipeline, stage, texture};
 use super::document::{
-    Attachment, COUNT, Capsule, Command, ComputePipeline, Group, GroupEntry, Module, Picture, Range, Read, Resource,
-    SCHEMA, TARGETS, Texture, UNDECIDED,
+    COUNT, Capsule, ComputePipeline, Group, GroupEntry, Module, Picture, Read, Resource, SCHEMA, TARGETS, Texture,
+    UNDECIDED,
 };
 use super::error::CapsuleError;
 use super::folder::{Contents, Files};
