@@ -48,4 +48,4 @@ pub fn table(report: &Report) -> Option<Table> {
 }
 
 /// Characters of an adapter's name.
-const NAME: usize = 24;
+const NAME: usize = 22;
