@@ -1,8 +1,8 @@
 //! A picture's programs, buffers and commands in a folder, for any host of WebGPU to play.
 //!
-//! [`Recording`] draws a picture on a device whose calls wgpu itself writes down, so that no renderer knows of
-//! capsules and nothing that a device is asked can be missing from one. [`mod@folder`] writes and reads them, [`mod@play`] is a host,
-//! and [`mod@answer`] makes the G-buffer of what a host hands back, which is bytes of textures and buffers and no more.
+//! [`Recording`] draws a picture on a device whose calls wgpu itself writes down, so that no renderer knows of capsules and
+//! nothing that a device is asked can be missing from one. [`Contents`] is written to a folder and read from one, [`play()`] is a
+//! host, and [`gbuffer()`] makes the G-buffer of what a host hands back: bytes of textures and buffers, and no more.
 
 mod answer;
 mod commands;

@@ -36,7 +36,7 @@ pub const COUNT: &str = "count";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Capsule {
-    /// The first of [`SCHEMA`].
+    /// The first of `SCHEMA`.
     pub schema: String,
     /// The second.
     pub schema_version: u32,
@@ -66,7 +66,7 @@ pub struct Capsule {
     pub commands: Vec<Command>,
     /// What is handed back.
     pub reads: Vec<Read>,
-    /// The greatest [`COUNT`] with which nothing is lost.
+    /// The greatest `COUNT` with which nothing is lost.
     pub room: Option<u64>,
 }
 
@@ -315,7 +315,7 @@ pub struct Depth {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Read {
-    /// One of [`TARGETS`], [`UNDECIDED`] or [`COUNT`]; the file is this with `.bin`.
+    /// One of `TARGETS`, `UNDECIDED` or `COUNT`; the file is this with `.bin`.
     pub name: String,
     /// A texture's rows from the top, without padding, or a buffer's bytes.
     pub of: Resource,
@@ -339,7 +339,7 @@ pub struct Host {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Answer {
-    /// The first of [`ANSWER_SCHEMA`].
+    /// The first of `ANSWER_SCHEMA`.
     pub schema: String,
     /// The second.
     pub schema_version: u32,
