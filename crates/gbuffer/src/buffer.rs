@@ -24,7 +24,8 @@ pub enum Trims {
 }
 
 /// Where a G-buffer comes from: what a reader needs to repeat or to judge it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Meta {
     /// Which renderer made it: `raster`, `gpu`, `raycast`, or the name of a foreign one.
     pub renderer: String,
@@ -42,6 +43,9 @@ pub struct Meta {
     pub adapter: Option<String>,
     /// Its driver.
     pub driver: Option<String>,
+    /// What made the adapter's programs of WGSL: `naga`, `tint` …
+    #[serde(default)]
+    pub compiler: Option<String>,
     /// Version of the program.
     pub version: String,
 }
@@ -58,6 +62,7 @@ impl Meta {
             camera: json!(camera),
             adapter: None,
             driver: None,
+            compiler: None,
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }
     }

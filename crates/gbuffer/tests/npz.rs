@@ -24,6 +24,7 @@ fn meta() -> Meta {
         camera: json!({"eye": [0.1, -2.0e-17, 1.0e300], "fov_deg": 40.0}),
         adapter: Some("an \"adapter\"\n".to_owned()),
         driver: None,
+        compiler: None,
         version: "0.1.0".to_owned(),
     }
 }

@@ -1,7 +1,9 @@
 //! Adapters and the device opened on one of them; every call to wgpu that can fail goes through [`Device::guarded`].
 
 use crate::GpuError;
+use crate::mark::Mark;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -10,6 +12,9 @@ const GREATEST_WAIT: Duration = Duration::from_secs(600);
 
 /// Bytes a pixel of the G-buffer: four targets of 16.
 pub(crate) const GBUFFER_BYTES: u32 = 64;
+
+/// What makes the adapter's programs of WGSL.
+pub const COMPILER: &str = "naga";
 
 /// What kind of machine an adapter is, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -75,18 +80,28 @@ pub enum Atomics {
 /// Features of adapters with [`Atomics::Bits64`].
 const WIDE_ATOMICS: wgpu::Features = wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
 
-/// All adapters of this machine, best kind first, in the driver's order within a kind.
-pub fn adapters() -> Vec<AdapterInfo> {
-    enumerate().into_iter().map(|(info, _)| info).collect()
+/// Whose commands a device takes.
+enum Of<'f> {
+    /// Those of this program.
+    Ours,
+    /// Those of this program, which wgpu writes down in a folder.
+    Recorded(&'f Path),
+    /// Those of a file.
+    Foreign,
 }
 
-fn enumerate() -> Vec<(AdapterInfo, wgpu::Adapter)> {
+/// All adapters of this machine, best kind first, in the driver's order within a kind.
+pub fn adapters() -> Vec<AdapterInfo> {
+    enumerate(&Of::Ours).into_iter().map(|(info, _)| info).collect()
+}
+
+fn enumerate(of: &Of) -> Vec<(AdapterInfo, wgpu::Adapter)> {
     let backends = wgpu::Backends::PRIMARY;
     // A frame would begin with a kernel that looks through its indirect calls, and an upload that says where they are. Ours have
     // the ranges of indices that the host gave them, no first instance and no buffer a step of instances; however many instances
     // a kernel asks for, they are legal. D3D12 needs that kernel for more than this.
-    let unchecked =
-        if cfg!(windows) { wgpu::InstanceFlags::empty() } else { wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL };
+    let checks = cfg!(windows) || matches!(of, Of::Foreign);
+    let unchecked = if checks { wgpu::InstanceFlags::empty() } else { wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL };
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,
         flags: wgpu::InstanceFlags::default().difference(unchecked),
@@ -130,6 +145,8 @@ pub struct Device {
     lost: Arc<Mutex<Option<String>>>,
     /// An error that reached no scope.
     stray: Arc<Mutex<Option<String>>>,
+    /// Whether what it does is written down.
+    records: bool,
 }
 
 impl Device {
@@ -143,21 +160,43 @@ impl Device {
     /// [`GpuError::NoAdapter`], [`GpuError::NoSuchAdapter`], [`GpuError::Open`]; [`GpuError::Limit`] where the adapter
     /// cannot write a G-buffer's 64 bytes a pixel at once.
     pub fn open(name: Option<&str>) -> Result<Self, GpuError> {
-        let (info, adapter) = choose(enumerate(), name)?;
+        Self::open_for(name, &Of::Ours)
+    }
+
+    /// As [`Self::open`], with WebGPU's own features alone; wgpu writes all that is asked of the device to `folder`, which must
+    /// be there.
+    pub(crate) fn recording(name: Option<&str>, folder: &Path) -> Result<Self, GpuError> {
+        Self::open_for(name, &Of::Recorded(folder))
+    }
+
+    /// As [`Self::open`], for commands of a file: indirect calls are looked through before they are run.
+    pub(crate) fn for_foreign(name: Option<&str>) -> Result<Self, GpuError> {
+        Self::open_for(name, &Of::Foreign)
+    }
+
+    fn open_for(name: Option<&str>, of: &Of) -> Result<Self, GpuError> {
+        let (info, adapter) = choose(enumerate(of), name)?;
         let has = adapter.limits();
         let mut limits = wgpu::Limits::default().or_worse_values_from(&has);
         limits.max_color_attachment_bytes_per_sample = has.max_color_attachment_bytes_per_sample;
         limits.max_texture_dimension_2d = has.max_texture_dimension_2d;
         limits.max_storage_buffer_binding_size = has.max_storage_buffer_binding_size;
         limits.max_buffer_size = has.max_buffer_size;
-        let mut features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
-        if adapter.features().contains(WIDE_ATOMICS) {
-            features |= WIDE_ATOMICS;
+        let has = adapter.features();
+        let (mut features, mut trace) = (has & wgpu::Features::TIMESTAMP_QUERY, wgpu::Trace::Off);
+        match of {
+            Of::Ours if has.contains(WIDE_ATOMICS) => features |= WIDE_ATOMICS,
+            Of::Ours => {}
+            Of::Recorded(folder) => {
+                (features, trace) = (wgpu::Features::empty(), wgpu::Trace::Directory((*folder).into()))
+            }
+            Of::Foreign => features = wgpu::Features::empty(),
         }
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("isophote"),
             required_features: features,
             required_limits: limits.clone(),
+            trace,
             ..Default::default()
         };
         let (wgpu, queue) = pollster::block_on(adapter.request_device(&descriptor))
@@ -171,7 +210,7 @@ impl Device {
         });
         let slot = stray.clone();
         wgpu.on_uncaptured_error(Arc::new(move |error| fill(&slot, error.to_string())));
-        let device = Self { info, wgpu, queue, limits, lost, stray };
+        let device = Self { info, wgpu, queue, limits, lost, stray, records: matches!(of, Of::Recorded(_)) };
         device.fits(
             "a G-buffer",
             "max_color_attachment_bytes_per_sample",
@@ -244,6 +283,19 @@ impl Device {
         encoder: wgpu::CommandEncoder,
     ) -> Result<wgpu::SubmissionIndex, GpuError> {
         self.guarded(during, || self.queue.submit([encoder.finish()]))
+    }
+
+    /// Puts a remark among the commands, where these are written down.
+    pub(crate) fn mark(&self, mark: Mark) -> Result<(), GpuError> {
+        if !self.records {
+            return Ok(());
+        }
+        let encoder = self.guarded("marking", || {
+            let mut encoder = self.wgpu.create_command_encoder(&Default::default());
+            encoder.insert_debug_marker(&mark.to_string());
+            encoder
+        })?;
+        self.submit("marking", encoder).map(|_| ())
     }
 
     /// Waits until a submission, or the latest one, is done.

@@ -6,10 +6,13 @@
 //! errors, exhausted memory and lost devices come back as [`GpuError`].
 
 mod buffers;
+pub mod capsule;
 mod device;
 mod error;
 mod faults;
 pub mod groups;
+mod hits;
+mod mark;
 mod masks;
 mod modules;
 mod pass;
@@ -20,12 +23,12 @@ mod renderer;
 mod targets;
 
 pub use buffers::{SceneBuffers, SceneLayouts};
-pub use device::{AdapterInfo, AdapterKind, Atomics, Device, adapters};
+pub use device::{AdapterInfo, AdapterKind, Atomics, COMPILER, Device, adapters};
 pub use error::{GpuError, SOFTWARE_DRIVER};
 pub use faults::{DepthOrder, Overrides};
 pub use masks::{MaskAtlas, MaskBlend, MaskPainter};
 pub use modules::{Modules, as_shader_error};
-pub use pass::{Drawable, Frame, Pass};
+pub use pass::{Drawable, Frame, Pass, Room};
 pub use probe::{PROBE, probe, probe_material};
 pub use queries::Stamps;
 pub use renderer::{Renderer, RendererOptions, Timing};

@@ -104,7 +104,6 @@ impl MaskPainter {
 pub struct MaskAtlas {
     texture: wgpu::Texture,
     pub(crate) view: wgpu::TextureView,
-    size: [u32; 2],
 }
 
 impl MaskAtlas {
@@ -113,24 +112,7 @@ impl MaskAtlas {
     /// # Errors
     /// [`GpuError::OutOfMemory`], [`GpuError::Timeout`], [`GpuError::Lost`].
     pub fn texels(&self, device: &Device) -> Result<Vec<u8>, GpuError> {
-        let [width, height] = self.size.map(|side| side as usize);
-        let stride = width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
-        let (staging, encoder) = device.guarded(READING, || {
-            let staging = device.staging((stride * height) as u64);
-            let layout =
-                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride as u32), rows_per_image: None };
-            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
-            encoder.copy_texture_to_buffer(
-                self.texture.as_image_copy(),
-                wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
-                self.texture.size(),
-            );
-            (staging, encoder)
-        })?;
-        device.submit(READING, encoder)?;
-        let mut rows = vec![0; stride * height];
-        device.read_staging(READING, &staging, &mut rows)?;
-        Ok(rows.chunks_exact(stride).flat_map(|row| &row[..width]).copied().collect())
+        device.texels(READING, &self.texture)
     }
 
     fn blank(device: &Device, size: [u32; 2]) -> Self {
@@ -145,7 +127,7 @@ impl MaskAtlas {
             view_formats: &[],
         });
         let view = texture.create_view(&Default::default());
-        Self { texture, view, size }
+        Self { texture, view }
     }
 }
 

@@ -74,6 +74,30 @@ pub trait Pass {
     fn write_changes(&mut self, device: &Device, before: &dyn Drawable, after: &dyn Drawable) -> Result<u64, GpuError>;
 }
 
+/// What a frame counts on the device, and how many it has room for.
+pub struct Room<'f> {
+    /// Counting them, in words.
+    pub during: &'static str,
+    /// Where the count is, a word of 32 bits.
+    pub buffer: &'f wgpu::Buffer,
+    /// Bytes before it there.
+    pub offset: u64,
+    /// How many it has room for; the rest is counted and lost.
+    pub capacity: u64,
+}
+
+impl Room<'_> {
+    /// How many there were, where that is more than there was room for.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfMemory`], [`GpuError::Timeout`], [`GpuError::Lost`].
+    pub fn lacking(&self, device: &Device) -> Result<Option<u64>, GpuError> {
+        let mut count = 0u32;
+        device.read_buffer(self.during, self.buffer, self.offset, bytemuck::bytes_of_mut(&mut count))?;
+        Ok(Some(u64::from(count)).filter(|&count| count > self.capacity))
+    }
+}
+
 /// One picture on the device; frames of it may be drawn one after the other.
 pub trait Frame {
     /// What of it is timed by itself, in order.
@@ -90,20 +114,23 @@ pub trait Frame {
         stamps: Option<Stamps<'_>>,
     );
 
-    /// Whether nothing of what was drawn was lost for want of room; otherwise the pass's next frame has more.
+    /// What there may be too little room for; `None` where there is always enough.
+    fn room(&self) -> Option<Room<'_>> {
+        None
+    }
+
+    /// Sees to it that the pass's next frame has room for so many.
     ///
     /// # Errors
     /// [`GpuError::Limit`] where the adapter has no room for as much.
-    fn had_room(&self, _device: &Device) -> Result<bool, GpuError> {
-        Ok(true)
+    fn make_room(&self, _device: &Device, _needed: u64) -> Result<(), GpuError> {
+        Ok(())
     }
 
-    /// The pixels (x, y) for which the technique has no answer.
-    ///
-    /// # Errors
-    /// Where it cannot be read back.
-    fn undecided(&self, _device: &Device) -> Result<Vec<(usize, usize)>, GpuError> {
-        Ok(vec![])
+    /// Where the pixels for which the technique has no answer are marked: a buffer, and the bytes before the marks. Pixel k,
+    /// row-major from the top, is bit k % 32 of word k / 32. `None` where it always has one.
+    fn undecided(&self) -> Option<(&wgpu::Buffer, u64)> {
+        None
     }
 
     /// How often a search evaluated the surface for each pixel, row-major; `None` where nothing is searched for.

@@ -112,7 +112,7 @@ impl<'a> Rows<'a> {
         let total: u64 = strides.iter().sum();
         let height = (BAND_BYTES / total).clamp(1, viewport.height() as u64);
         device.fits("a row of the picture", "max_buffer_size", total, device.limits.max_buffer_size)?;
-        let staging = device.guarded(READING, || device.staging(total * height))?;
+        let staging = device.guarded(READING, || device.staging(READING, total * height))?;
         let band = vec![0; (total * height / 4) as usize];
         Ok(Self { device, textures, viewport, staging, strides, height: height as usize, band, first: None })
     }
@@ -168,10 +168,10 @@ impl<'a> Rows<'a> {
 }
 
 impl Device {
-    /// A buffer that the processor can read.
-    pub(crate) fn staging(&self, size: u64) -> wgpu::Buffer {
+    /// A buffer that the processor can read, and what for.
+    pub(crate) fn staging(&self, what: &'static str, size: u64) -> wgpu::Buffer {
         self.wgpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("staging"),
+            label: Some(what),
             size,
             usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             mapped_at_creation: false,
@@ -206,6 +206,36 @@ impl Device {
         Ok(())
     }
 
+    /// The texels of a texture, row by row from the top, without padding.
+    ///
+    /// # Errors
+    /// [`GpuError::Refused`] where its texels cannot be copied; [`GpuError::Limit`], [`GpuError::OutOfMemory`],
+    /// [`GpuError::Timeout`], [`GpuError::Lost`].
+    pub(crate) fn texels(&self, during: &'static str, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
+        let refused = || GpuError::Refused { during, message: format!("{:?} is not copied", texture.format()) };
+        let texel = u64::from(texture.format().block_copy_size(None).ok_or_else(refused)?);
+        let row = u64::from(texture.width()) * texel;
+        let stride = row.next_multiple_of(ROW_ALIGNMENT);
+        let size = stride * u64::from(texture.height());
+        self.fits("a texture that is read back", "max_buffer_size", size, self.limits.max_buffer_size)?;
+        let (staging, encoder) = self.guarded(during, || {
+            let staging = self.staging(during, size);
+            let layout =
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride as u32), rows_per_image: None };
+            let mut encoder = self.wgpu.create_command_encoder(&Default::default());
+            encoder.copy_texture_to_buffer(
+                texture.as_image_copy(),
+                wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
+                texture.size(),
+            );
+            (staging, encoder)
+        })?;
+        self.submit(during, encoder)?;
+        let mut rows = vec![0; size as usize];
+        self.read_staging(during, &staging, &mut rows)?;
+        Ok(rows.chunks_exact(stride as usize).flat_map(|padded| &padded[..row as usize]).copied().collect())
+    }
+
     /// The bytes from `offset` on of a buffer that the device wrote.
     ///
     /// # Errors
@@ -218,7 +248,7 @@ impl Device {
         out: &mut [u8],
     ) -> Result<(), GpuError> {
         let (staging, encoder) = self.guarded(during, || {
-            let staging = self.staging(out.len() as u64);
+            let staging = self.staging(during, out.len() as u64);
             let mut encoder = self.wgpu.create_command_encoder(&Default::default());
             encoder.copy_buffer_to_buffer(buffer, offset, &staging, 0, out.len() as u64);
             (staging, encoder)

@@ -1,14 +1,17 @@
 //! One picture after the other of a scene: drawn by a technique's pass, and what is made of the answer.
 
 use crate::buffers::SceneBuffers;
+use crate::device::COMPILER;
 use crate::faults::Overrides;
+use crate::hits::{self, Seen};
+use crate::mark::{Mark, UNDECIDED};
 use crate::modules::Modules;
 use crate::pass::{Drawable, Frame, Pass};
 use crate::queries::{Queries, Stamps};
-use crate::readback::{Record, Rows};
+use crate::readback::Rows;
 use crate::targets::{Output, Targets};
 use crate::{Device, GpuError};
-use gbuffer::{GBuffer, Hit, Meta, Picture, ShadeUniform};
+use gbuffer::{GBuffer, Meta, Picture, ShadeUniform};
 use pipeline::fragment::Fragment;
 use pipeline::wgsl::{self, Variant};
 use pipeline::{PackedScene, View};
@@ -141,27 +144,21 @@ impl<'a> Renderer<'a> {
     ) -> Result<GBuffer, GpuError> {
         let info = self.device.info();
         let driver = format!("{} {}", info.driver, info.driver_info);
-        let meta = Meta { adapter: Some(info.name.clone()), driver: Some(driver.trim().to_owned()), ..meta };
+        let meta = Meta {
+            adapter: Some(info.name.clone()),
+            driver: Some(driver.trim().to_owned()),
+            compiler: Some(COMPILER.to_owned()),
+            ..meta
+        };
         let (targets, frame) = self.draw(views, viewport, Output::GBuffer)?;
         let mut rows = Rows::new(self.device, targets.colours.iter().collect(), viewport)?;
-        let mut failure = None;
-        let hits = (0..viewport.height()).map(|y| {
-            let nothing = || vec![None; viewport.width()];
-            if failure.is_some() {
-                return nothing();
-            }
-            self.row(&mut rows, viewport, y, |x, fragment| self.hit(&fragment, camera, viewport, x, y)).unwrap_or_else(
-                |error| {
-                    failure = Some(error);
-                    nothing()
-                },
-            )
-        });
-        let buffer = GBuffer::from_rows(viewport, meta, hits).with_edges(self.scene.has_edges());
-        match failure {
-            Some(error) => Err(error),
-            None => Ok(buffer.with_undecided(frame.undecided(self.device)?)),
-        }
+        let (curvature, edges) = (self.curvature, self.scene.has_edges());
+        let seen = Seen { frames: self.scene.frames(), curvature, edges, camera, viewport };
+        let buffer = seen.gbuffer(meta, |y| self.row(&mut rows, viewport, y))?;
+        let Some((marks, offset)) = frame.undecided() else { return Ok(buffer) };
+        let mut words = vec![0u32; hits::marks(viewport) / 4];
+        self.device.read_buffer(UNDECIDED, marks, offset, bytemuck::cast_slice_mut(&mut words))?;
+        Ok(buffer.with_undecided(hits::undecided(&words, viewport)))
     }
 
     /// The raw answers of the fragment program, row-major from the top: what [`Self::gbuffer`] makes its hits of.
@@ -173,7 +170,7 @@ impl<'a> Renderer<'a> {
         let mut rows = Rows::new(self.device, targets.colours.iter().collect(), viewport)?;
         let mut fragments = Vec::with_capacity(viewport.pixels());
         for y in 0..viewport.height() {
-            fragments.extend(self.row(&mut rows, viewport, y, |_, fragment| fragment)?);
+            fragments.extend(self.row(&mut rows, viewport, y)?);
         }
         Ok(fragments)
     }
@@ -188,32 +185,21 @@ impl<'a> Renderer<'a> {
         frame.evaluations(self.device)?.ok_or(GpuError::NothingSearched { technique: self.technique })
     }
 
-    fn hit(&self, fragment: &Fragment, camera: &Camera, viewport: Viewport, x: usize, y: usize) -> Hit {
-        let ray = camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5);
-        let hit = self.scene.hit(fragment, &ray);
-        Hit { curvature: hit.curvature.filter(|_| self.curvature), ..hit }
+    /// The fragments of row `y` of the four targets.
+    fn row(&self, rows: &mut Rows<'_>, viewport: Viewport, y: usize) -> Result<Vec<Option<Fragment>>, GpuError> {
+        let targets = rows.row(y)?.try_into().expect("a G-buffer has four targets");
+        hits::fragments(targets, y, viewport, (self.scene.faces().len(), self.scene.has_edges()))
     }
 
-    /// Row `y` of the four targets, each drawn pixel taken through `make`.
-    fn row<T>(
-        &self,
-        rows: &mut Rows<'_>,
-        viewport: Viewport,
-        y: usize,
-        make: impl Fn(usize, Fragment) -> T,
-    ) -> Result<Vec<Option<T>>, GpuError> {
-        let row = rows.row(y)?;
-        let word = |target: usize, x: usize| std::array::from_fn(|i| row[target][4 * x + i]);
-        let float = |target: usize, x: usize| word(target, x).map(f32::from_bits);
-        (0..viewport.width())
-            .map(|x| {
-                let record =
-                    Record { identity: word(0, x), position: float(1, x), normal: float(2, x), shape: float(3, x) };
-                Ok(record
-                    .pixel(x, y, self.scene.faces().len(), self.scene.has_edges())?
-                    .map(|fragment| make(x, fragment)))
-            })
-            .collect()
+    /// Whether a frame had room for all; otherwise the next one has more.
+    fn had_room(&self, frame: &dyn Frame) -> Result<bool, GpuError> {
+        let Some(room) = frame.room() else { return Ok(true) };
+        let lacking = room.lacking(self.device)?;
+        self.device.mark(lacking.map_or(Mark::Room(room.capacity), |_| Mark::NoRoom))?;
+        match lacking {
+            None => Ok(true),
+            Some(needed) => frame.make_room(self.device, needed).map(|()| false),
+        }
     }
 
     /// The picture that the device itself shades, on [`background`](gbuffer::background).
@@ -258,7 +244,7 @@ impl<'a> Renderer<'a> {
             self.device.wait(TIMING, None)?;
             let timing = self.time(frames, &targets, &*frame)?;
             // A later frame may have had more to keep than the first.
-            if frame.had_room(self.device)? {
+            if self.had_room(&*frame)? {
                 return Ok(timing);
             }
         }
@@ -313,7 +299,7 @@ impl<'a> Renderer<'a> {
             let frame = self.pass.frame(self.device, &targets)?;
             let encoder = self.encode(&targets, &*frame, None)?;
             self.device.submit("drawing", encoder)?;
-            if frame.had_room(self.device)? {
+            if self.had_room(&*frame)? {
                 return Ok((targets, frame));
             }
         }

@@ -1,7 +1,7 @@
 //! The commands of `isophote`; `cargo xtask` offers all of them, too.
 
 use crate::{
-    adapters, compare, completions, conform, continuity, convert, eval, info, man, pixel, render, scene, study,
+    adapters, capsule, compare, completions, conform, continuity, convert, eval, info, man, pixel, render, scene, study,
 };
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -24,6 +24,7 @@ pub enum Command {
     Conform(conform::ConformArgs),
     Continuity(continuity::ContinuityArgs),
     Render(render::RenderArgs),
+    Capsule(capsule::CapsuleArgs),
     Pixel(pixel::PixelArgs),
     Eval(eval::EvalArgs),
     Info(info::InfoArgs),
@@ -47,6 +48,7 @@ impl Command {
             Self::Conform(args) => conform::run(args),
             Self::Continuity(args) => continuity::run(args),
             Self::Render(args) => done(render::run(args)),
+            Self::Capsule(args) => done(capsule::run(args)),
             Self::Pixel(args) => pixel::run(args),
             Self::Eval(args) => done(eval::run(args)),
             Self::Info(args) => info::run(args),

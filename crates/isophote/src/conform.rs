@@ -2,7 +2,9 @@
 
 pub mod answer;
 pub mod check;
+pub mod compilers;
 pub mod corpus;
+pub mod dawn;
 pub mod foreign;
 pub mod html;
 pub mod junit;
@@ -18,11 +20,13 @@ pub mod wrong;
 use crate::terminal;
 use answer::{OutputArgs, claim, finish};
 use anyhow::Result;
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use corpus::Suite;
+use dawn::Dawn;
 use own::OwnArgs;
 use run::{Adapter, Gpu, Plans, absent};
 use shard::Shard;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -68,6 +72,12 @@ pub struct RunArgs {
     /// `all` takes each adapter of this machine, those of one name and driver once.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+    /// What compiles and draws: wgpu (by naga), dawn (by Tint), or both, compared with each other
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "wgpu")]
+    hosts: Vec<HostName>,
+    /// With --hosts dawn: the folder of the Node program, `hosts/node` of the sources
+    #[arg(long, hide_short_help = true, value_name = "DIR", default_value = "hosts/node")]
+    dawn: PathBuf,
     /// How much of the corpus
     #[arg(long, value_enum, default_value = "smoke")]
     suite: Suite,
@@ -78,6 +88,15 @@ pub struct RunArgs {
     models: OwnArgs,
     #[command(flatten)]
     output: OutputArgs,
+}
+
+/// What plays a picture's commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum HostName {
+    /// In this process, by naga
+    Wgpu,
+    /// By the Node program in --dawn, by Tint
+    Dawn,
 }
 
 /// Runs the command.
@@ -91,9 +110,18 @@ pub fn run(args: &ConformArgs) -> Result<ExitCode> {
         Some(ConformCommand::Export(args)) => return foreign::export(args),
         Some(ConformCommand::Judge(args)) => return foreign::judge(args),
     }
-    let RunArgs { adapter, suite, shard, models, output } = &args.run;
+    let RunArgs { adapter, hosts, dawn, suite, shard, models, output } = &args.run;
     let plans = Plans { suite: *suite, scenes: models.scenes(*suite), shard: *shard };
-    let (mut adapters, absent) = open(adapter.as_deref());
+    let (mut adapters, mut absent): (Vec<Box<dyn Adapter>>, Vec<report::Subject>) = (vec![], vec![]);
+    let once = hosts.iter().enumerate().filter(|(place, host)| !hosts[..*place].contains(host));
+    for (_, host) in once {
+        let (opened, missing) = match host {
+            HostName::Wgpu => open(adapter.as_deref()),
+            HostName::Dawn => open_dawn(dawn, adapter.as_deref()),
+        };
+        adapters.extend(opened);
+        absent.extend(missing);
+    }
     let subjects = adapters.iter().map(|adapter| adapter.subject()).chain(absent).collect();
     let mut report = plans.report(subjects);
     let folder = &output.out;
@@ -126,6 +154,14 @@ fn open(name: Option<&str>) -> (Vec<Box<dyn Adapter>>, Vec<report::Subject>) {
         }
     }
     (opened, missing)
+}
+
+/// Dawn on the adapter asked for, or why it is not there.
+fn open_dawn(folder: &Path, name: Option<&str>) -> (Vec<Box<dyn Adapter>>, Vec<report::Subject>) {
+    match Dawn::open(folder, name.filter(|name| *name != "all")) {
+        Ok(dawn) => (vec![Box::new(dawn)], vec![]),
+        Err(error) => (vec![], vec![absent("Dawn", format!("{error:#}"))]),
+    }
 }
 
 /// Set once a person interrupts: the run ends after the case at hand and is reported as far as it went. A second

@@ -7,6 +7,7 @@ pub mod adapters;
 pub mod angles;
 pub mod antialias;
 pub mod approximate;
+pub mod capsule;
 pub mod commands;
 pub mod compare;
 pub mod completions;

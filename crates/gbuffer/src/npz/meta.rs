@@ -27,6 +27,9 @@ pub(super) struct MetaText {
     size: [usize; 2],
     adapter: Option<String>,
     driver: Option<String>,
+    /// Left out where nothing is known of it, as in files of before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    compiler: Option<String>,
     #[serde(default)]
     version: String,
 }
@@ -37,15 +40,16 @@ fn is_exact(trims: &Trims) -> bool {
 
 impl MetaText {
     pub fn new(buffer: &GBuffer) -> Self {
-        let Meta { renderer, technique, trims, model, model_hash, camera, adapter, driver, version } =
+        let Meta { renderer, technique, trims, model, model_hash, camera, adapter, driver, compiler, version } =
             buffer.meta().clone();
         let size = [buffer.viewport().width(), buffer.viewport().height()];
-        Self { renderer, technique, trims, model, model_hash, camera, size, adapter, driver, version }
+        Self { renderer, technique, trims, model, model_hash, camera, size, adapter, driver, compiler, version }
     }
 
     fn into_meta(self) -> Meta {
-        let Self { renderer, technique, trims, model, model_hash, camera, size: _, adapter, driver, version } = self;
-        Meta { renderer, technique, trims, model, model_hash, camera, adapter, driver, version }
+        let Self { renderer, technique, trims, model, model_hash, camera, size: _, adapter, driver, compiler, version } =
+            self;
+        Meta { renderer, technique, trims, model, model_hash, camera, adapter, driver, compiler, version }
     }
 }
 

@@ -42,6 +42,7 @@ fn buffer(pixel: impl Fn(DVec2) -> Option<Hit>) -> GBuffer {
         camera: Value::Null,
         adapter: None,
         driver: None,
+        compiler: None,
         version: String::new(),
     };
     let row = |y: usize| (0..SIDE).map(|x| pixel(DVec2::new(x as f64 + 0.5, y as f64 + 0.5))).collect();

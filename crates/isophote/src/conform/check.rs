@@ -88,6 +88,8 @@ fn check_outcome(
 ) -> Result<()> {
     check_picture(&outcome.picture)?;
     outcome.wrong.as_ref().map_or(Ok(()), check_wrong)?;
+    let unlike = outcome.unlike.unwrap_or(0);
+    ensure!(unlike <= pixels, "{unlike} pixels are unlike another's, of {pixels}");
     let expected: &[[&str; 2]] = match subject.kind.as_str() {
         "cpu" => &[["raycast", "raster"]],
         _ => &[["raycast", "gpu"], ["raster", "gpu"]],

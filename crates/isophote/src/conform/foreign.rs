@@ -104,6 +104,7 @@ impl View {
             seconds: 0.0,
             pairs: vec![],
             wrong: None,
+            unlike: None,
             picture: None,
             error: None,
         };
@@ -203,6 +204,7 @@ fn foreign(name: &str) -> Subject {
         kind: "foreign".to_owned(),
         driver: String::new(),
         backend: String::new(),
+        compiler: String::new(),
         host: host(),
         failure: None,
     }

@@ -84,6 +84,9 @@ pub struct Subject {
     pub driver: String,
     /// The API that it is reached through; empty for the CPU.
     pub backend: String,
+    /// What makes its programs of WGSL; empty for the CPU, and where nothing is known of it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub compiler: String,
     /// Operating system and processor family.
     pub host: String,
     /// Why it stopped, or never started.
@@ -125,6 +128,9 @@ pub struct Outcome {
     /// What the judge makes of pictures made wrong of its own, where the suite tries that.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wrong: Option<Vacuity>,
+    /// Pixels that are not, to the last bit, those of the first GPU subject; none for that one, or where it drew nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unlike: Option<usize>,
     /// Its picture as a `data:` URI, where pictures are kept.
     pub picture: Option<String>,
     /// Why it could not be judged.

@@ -1,5 +1,6 @@
 //! A run: each case rendered by ray caster and CPU rasterizer once, by each adapter, and compared in all pairs.
 
+use super::compilers::unlike;
 use super::corpus::{Corpus, Scene, Suite, Viewpoint};
 use super::pictures::data_uri;
 use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
@@ -64,6 +65,7 @@ impl Adapter for Gpu {
             kind: format!("{:?}", info.kind).to_lowercase(),
             driver,
             backend: info.backend.clone(),
+            compiler: gpu::COMPILER.to_owned(),
             host: host(),
             failure: None,
         }
@@ -94,6 +96,7 @@ fn cpu() -> Subject {
         kind: "cpu".to_owned(),
         driver: String::new(),
         backend: String::new(),
+        compiler: String::new(),
         host: host(),
         failure: None,
     }
@@ -107,6 +110,7 @@ pub fn absent(wanted: &str, why: String) -> Subject {
         kind: "absent".to_owned(),
         driver: String::new(),
         backend: String::new(),
+        compiler: String::new(),
         host: host(),
         failure: Some(why),
     }
@@ -275,6 +279,8 @@ impl Sitting<'_> {
                     }
                 }
                 case.outcomes.push(outcome);
+                let leader = adapters.first().map(|adapter| adapter.subject().id);
+                let mut first: Option<GBuffer> = None;
                 for adapter in adapters {
                     let id = adapter.subject().id;
                     let subject = report.subjects.iter_mut().find(|s| s.id == id).expect("adapters are subjects");
@@ -283,12 +289,20 @@ impl Sitting<'_> {
                     }
                     let started = Instant::now();
                     match adapter.draw(&stage) {
-                        Ok(drawn) => case.outcomes.push(self.outcome(&stage, &id, &drawn, Some(&raster), started)),
+                        Ok(drawn) => {
+                            let outcome = self.outcome(&stage, &id, &drawn, Some(&raster), started);
+                            let unlike = first.as_ref().map(|first| unlike(first, &drawn));
+                            case.outcomes.push(Outcome { unlike, ..outcome });
+                            if leader.as_ref() == Some(&id) {
+                                first = Some(drawn);
+                            }
+                        }
                         Err(DrawError::Refused(why)) => case.outcomes.push(Outcome {
                             subject: id,
                             seconds: started.elapsed().as_secs_f64(),
                             pairs: vec![],
                             wrong: None,
+                            unlike: None,
                             picture: None,
                             error: Some(why),
                         }),
@@ -326,6 +340,7 @@ impl Sitting<'_> {
             seconds: 0.0,
             pairs: vec![],
             wrong: None,
+            unlike: None,
             picture: None,
             error: None,
         };

@@ -1,5 +1,6 @@
 //! A report on the terminal: a table for each subject, the worst scenes first.
 
+use super::compilers;
 use super::report::{Outcome, Report, State, Subject};
 use crate::text::escaped;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets::UTF8_FULL_CONDENSED};
@@ -79,6 +80,9 @@ pub fn text(report: &Report) -> String {
         let error = case.error.as_deref().unwrap_or_default();
         let _ = writeln!(out, "{}: {}", escaped(&case.key.to_string()), escaped(error));
     }
+    if let Some(table) = compilers::table(report) {
+        let _ = writeln!(out, "by compiler; unlike: pixels whose bits are not those of the first\n{table}");
+    }
     for note in &report.notes {
         let _ = writeln!(out, "note: {}", escaped(note));
     }
@@ -87,7 +91,7 @@ pub fn text(report: &Report) -> String {
 }
 
 fn heading(subject: &Subject) -> String {
-    let facts = [&subject.driver, &subject.backend, &subject.host];
+    let facts = [&subject.driver, &subject.backend, &subject.compiler, &subject.host];
     let facts: Vec<&str> = facts.into_iter().map(String::as_str).filter(|fact| !fact.is_empty()).collect();
     format!("{} ({})", escaped(&subject.name), escaped(&facts.join(", ")))
 }

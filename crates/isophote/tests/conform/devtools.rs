@@ -42,8 +42,14 @@ pub struct Page {
 impl Page {
     /// Starts a browser with a window of that size, its profile in `profile`, and opens a file.
     pub fn open(file: &Path, profile: PathBuf, size: [u32; 2]) -> Self {
+        Self::open_with(&["--disable-gpu"], file, profile, size)
+    }
+
+    /// The same with these flags besides.
+    pub fn open_with(flags: &[&str], file: &Path, profile: PathBuf, size: [u32; 2]) -> Self {
         let browser = Command::new("chromium")
-            .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"])
+            .args(["--headless=new", "--no-sandbox", "--hide-scrollbars", "--no-first-run"])
+            .args(flags)
             .args(["--disable-dev-shm-usage", "--remote-debugging-port=0"])
             .arg(format!("--window-size={},{}", size[0], size[1]))
             .arg(format!("--user-data-dir={}", profile.display()))
@@ -93,6 +99,13 @@ impl Page {
         let answer = self.call("Runtime.evaluate", asked);
         assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
         answer["result"]["value"].clone()
+    }
+
+    /// Chooses files in the input that a selector finds.
+    pub fn choose(&mut self, selector: &str, files: &[PathBuf]) {
+        let root = self.call("DOM.getDocument", json!({}))["root"]["nodeId"].clone();
+        let found = self.call("DOM.querySelector", json!({"nodeId": root, "selector": selector}));
+        self.call("DOM.setFileInputFiles", json!({"nodeId": found["nodeId"], "files": files}));
     }
 
     /// Presses and releases a key, which types `text`, on what has the focus.

@@ -1,11 +1,13 @@
 //! The conformance suite as a CI job meets it: complete, wrong, cut short, in parts; its documents and its page.
 
 mod browser;
+mod compilers;
 mod corpus;
 mod devtools;
 mod documents;
 mod faults;
 mod merging;
 mod own;
+mod player;
 mod setting;
 mod xsd;

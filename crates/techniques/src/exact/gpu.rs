@@ -7,7 +7,7 @@ use super::hulls::{CORNERS, Hulls, INDICES};
 use crate::resolve;
 use bytemuck::{Pod, Zeroable};
 use gpu::groups::{PART_STRIDE, READ, UNIFORM_AT, WRITE, workgroups};
-use gpu::{DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets};
+use gpu::{DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, Room, SceneBuffers, Stamps, Targets};
 use pipeline::Program;
 use pipeline::wgsl::Part;
 use std::collections::HashMap;
@@ -244,18 +244,18 @@ impl Frame for Searched {
         }
     }
 
-    fn had_room(&self, device: &Device) -> Result<bool, GpuError> {
-        let most = self.picture.most(device)?;
-        if most <= self.picture.capacity {
-            return Ok(true);
-        }
-        // Which meetings are found to be hidden depends on the order of work, so their number does.
-        self.capacity.store(picture::within_limits(device, most, most + most / 2)?, Relaxed);
-        Ok(false)
+    fn room(&self) -> Option<Room<'_>> {
+        Some(self.picture.room())
     }
 
-    fn undecided(&self, device: &Device) -> Result<Vec<(usize, usize)>, GpuError> {
-        self.picture.unconverged(device)
+    fn make_room(&self, device: &Device, needed: u64) -> Result<(), GpuError> {
+        // Which meetings are found to be hidden depends on the order of work, so their number does.
+        self.capacity.store(picture::within_limits(device, needed, needed + needed / 2)?, Relaxed);
+        Ok(())
+    }
+
+    fn undecided(&self) -> Option<(&wgpu::Buffer, u64)> {
+        Some(self.picture.unconverged())
     }
 
     fn evaluations(&self, device: &Device) -> Result<Option<Vec<u32>>, GpuError> {

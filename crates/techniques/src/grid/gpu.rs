@@ -9,7 +9,7 @@ use crate::triangles::SAMPLE;
 use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
 use bytemuck::{Pod, Zeroable};
 use gpu::groups::{PART_STRIDE, READ, UNIFORM, UNIFORM_AT, WRITE, part, whole};
-use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, SceneLayouts};
+use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, Room, SceneBuffers, SceneLayouts};
 use pipeline::Program;
 use pipeline::wgsl::Part;
 use std::sync::Arc;
@@ -105,7 +105,7 @@ struct Generator {
     programs: Vec<Program>,
     layout: wgpu::BindGroupLayout,
     drawn_layout: wgpu::BindGroupLayout,
-    room: Room,
+    room: TileRoom,
     /// Tiles that a picture has had, and has room for from then on.
     wanted: Arc<AtomicU64>,
     /// Made when first needed: a driver may take seconds to compile one.
@@ -126,7 +126,7 @@ struct Buffers {
 
 /// Room for tiles, and the groups that hold it.
 #[derive(Clone)]
-struct Room {
+struct TileRoom {
     capacity: u64,
     tiles: wgpu::Buffer,
     group: wgpu::BindGroup,
@@ -204,7 +204,7 @@ impl Buffers {
         layouts: [&wgpu::BindGroupLayout; 2],
         asked: AskedUniform,
         capacity: u64,
-    ) -> Result<Room, GpuError> {
+    ) -> Result<TileRoom, GpuError> {
         let limit = u64::from(device.limits.max_compute_workgroups_per_dimension) * u64::from(WORKGROUP);
         device.fits("the tiles", "max_compute_workgroups_per_dimension", capacity, limit)?;
         let tiles = device.empty("tiles", 8 * capacity)?;
@@ -218,7 +218,7 @@ impl Buffers {
             let drawn = whole([grids, &tiles, calls]).chain([(3, number)]);
             (group, device.group("tiles", layouts[1], drawn))
         })?;
-        Ok(Room { capacity, tiles, group, drawn_group })
+        Ok(TileRoom { capacity, tiles, group, drawn_group })
     }
 }
 
@@ -320,18 +320,19 @@ impl Feed for Generator {
         }
     }
 
-    fn had_room(&self, device: &Device) -> Result<bool, GpuError> {
-        let mut tiles = 0u32;
+    fn room(&self) -> Option<Room<'_>> {
         let last = u64::from(SIZES * self.asked.grids);
-        if last > 0 {
-            device.read_buffer("counting tiles", &self.buffers.counts, 4 * last, bytemuck::bytes_of_mut(&mut tiles))?;
-        }
-        let tiles = u64::from(tiles);
-        if tiles <= self.room.capacity {
-            return Ok(true);
-        }
-        self.wanted.store(tiles + tiles / 2, Relaxed);
-        Ok(false)
+        let Self { buffers, room, .. } = self;
+        (last > 0).then_some(Room {
+            during: "counting tiles",
+            buffer: &buffers.counts,
+            offset: 4 * last,
+            capacity: room.capacity,
+        })
+    }
+
+    fn make_room(&self, needed: u64) {
+        self.wanted.store(needed + needed / 2, Relaxed);
     }
 
     /// All of them where there are not as many.
@@ -465,8 +466,9 @@ mod tests {
             let mut encoder = device.wgpu.create_command_encoder(&Default::default());
             generator.before(&mut encoder, &buffers, 0);
             device.submit("choosing", encoder).unwrap();
-            if generator.had_room(device).unwrap() {
-                break;
+            match generator.room().and_then(|room| room.lacking(device).unwrap()) {
+                Some(needed) => generator.make_room(needed),
+                None => break,
             }
         }
         let mut records: Vec<GridRecord> = vec![Zeroable::zeroed(); grids.records.len()];

@@ -1,8 +1,8 @@
 //! Triangles on the device: the fragment stage runs the program, and a depth buffer keeps the nearest.
 
 use gpu::{
-    DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, SceneLayouts, Stamps, Targets,
-    as_shader_error,
+    DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, Room, SceneBuffers, SceneLayouts, Stamps,
+    Targets, as_shader_error,
 };
 use pipeline::Program;
 use pipeline::wgsl::Part;
@@ -47,13 +47,13 @@ pub trait Feed: Clone + Sized + 'static {
         Ok(self.clone())
     }
 
-    /// Whether nothing was lost for want of room; otherwise the next frame has more.
-    ///
-    /// # Errors
-    /// As of [`Frame::had_room`].
-    fn had_room(&self, _device: &Device) -> Result<bool, GpuError> {
-        Ok(true)
+    /// What there may be too little room for.
+    fn room(&self) -> Option<Room<'_>> {
+        None
     }
+
+    /// Sees to it that the next frame has room for so many.
+    fn make_room(&self, _needed: u64) {}
 
     /// Bytes of its buffers.
     fn bytes(&self) -> u64;
@@ -263,7 +263,12 @@ impl<F: Feed> Frame for Drawn<F> {
         }
     }
 
-    fn had_room(&self, device: &Device) -> Result<bool, GpuError> {
-        self.fed.had_room(device)
+    fn room(&self) -> Option<Room<'_>> {
+        self.fed.room()
+    }
+
+    fn make_room(&self, _device: &Device, needed: u64) -> Result<(), GpuError> {
+        self.fed.make_room(needed);
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use crate::resolve;
 use bytemuck::{Pod, Zeroable};
 use gpu::groups::{PART_STRIDE, part, whole};
-use gpu::{Device, GpuError, Targets};
+use gpu::{Device, GpuError, Room, Targets};
 use pipeline::Program;
 use scene::Viewport;
 use wgpu::BufferUsages;
@@ -68,7 +68,7 @@ pub struct Picture {
     pub(super) targets: wgpu::BindGroup,
     words: wgpu::Buffer,
     /// Meetings that there is room for.
-    pub(super) capacity: u64,
+    capacity: u64,
     viewport: Viewport,
 }
 
@@ -122,22 +122,14 @@ impl Picture {
         encoder.clear_buffer(&self.words, 4, None);
     }
 
-    /// The most meetings of any frame, those without room among them.
-    pub(super) fn most(&self, device: &Device) -> Result<u64, GpuError> {
-        let mut most = 0u32;
-        device.read_buffer("counting meetings", &self.words, 0, bytemuck::bytes_of_mut(&mut most))?;
-        Ok(u64::from(most))
+    /// Room for meetings. Counted are the most of any frame, those without room among them.
+    pub(super) fn room(&self) -> Room<'_> {
+        Room { during: "counting meetings", buffer: &self.words, offset: 0, capacity: self.capacity }
     }
 
-    /// The pixels (x, y) in which a search has not converged.
-    pub fn unconverged(&self, device: &Device) -> Result<Vec<(usize, usize)>, GpuError> {
-        let (width, count) = (self.viewport.width(), self.viewport.pixels());
-        let mut words = vec![0u32; count.div_ceil(WORD)];
-        let offset = 4 * (HEAD + 2 * count) as u64;
-        let bytes = bytemuck::cast_slice_mut(&mut words);
-        device.read_buffer("reading the unconverged pixels", &self.words, offset, bytes)?;
-        let is_set = |pixel: &usize| words[pixel / WORD] >> (pixel % WORD) & 1 == 1;
-        Ok((0..count).filter(is_set).map(|pixel| (pixel % width, pixel / width)).collect())
+    /// Where the pixels are marked in which a search has not converged.
+    pub(super) fn unconverged(&self) -> (&wgpu::Buffer, u64) {
+        (&self.words, 4 * (HEAD + 2 * self.viewport.pixels()) as u64)
     }
 
     /// How often the surface was evaluated for each pixel, row-major.
