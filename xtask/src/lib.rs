@@ -5,4 +5,5 @@ pub mod bless;
 pub mod ci;
 pub mod geiger;
 pub mod kanai;
+pub mod legal;
 pub mod mutants;
