@@ -7,3 +7,4 @@ pub mod geiger;
 pub mod kanai;
 pub mod legal;
 pub mod mutants;
+pub mod variants;

@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use isophote::{commands, entry};
 use std::process::ExitCode;
-use xtask::{bench, bless, ci, geiger, kanai, legal, mutants};
+use xtask::{bench, bless, ci, geiger, kanai, legal, mutants, variants};
 
 /// Isophote and what its developers need
 #[derive(Parser)]
@@ -21,6 +21,7 @@ enum Command {
     Geiger(geiger::GeigerArgs),
     Mutants(mutants::MutantsArgs),
     Legal(legal::LegalArgs),
+    Variants(variants::VariantsArgs),
     Bench(bench::BenchArgs),
     Bless(bless::BlessArgs),
     Ci(ci::CiArgs),
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         Command::Geiger(args) => done(geiger::run(&args)),
         Command::Mutants(args) => mutants::run(&args),
         Command::Legal(args) => legal::run(&args),
+        Command::Variants(args) => variants::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Bless(args) => done(bless::run(&args)),
         Command::Ci(args) => ci::run(&args),
