@@ -8,7 +8,7 @@
 pub mod arithmetic;
 mod builtin;
 pub mod machine;
-mod order;
+pub mod order;
 pub mod picture;
 pub mod program;
 
@@ -82,6 +82,16 @@ pub struct Line {
     pub no_verdict: u64,
     /// The first seed that does not agree, and why.
     pub first: Option<(u64, String)>,
+}
+
+/// What came of a run.
+#[derive(Debug, Default, Serialize)]
+struct Report {
+    cases: Vec<Line>,
+    /// Cases that were not begun when the time was over.
+    not_begun: usize,
+    /// Cases by techniques `grid` and `zones` and by masks, which are not drawn here.
+    not_drawn: usize,
 }
 
 /// A stage with what it is judged by.
@@ -178,13 +188,14 @@ pub fn why(report: &PairReport) -> String {
     }
 }
 
-/// The plans by which a suite draws a scene that an adapter here can draw: the device's own vertex stages and masks are not run.
-fn plans(args: &LegalArgs, scene: &Scene) -> Vec<Plan> {
-    let drawn = |plan: &Plan| {
-        let name = plan.technique.name();
-        (name == "fragment" || name == "exact") && args.technique.is_none_or(|technique| technique == plan.technique)
-    };
-    if scene.masked { vec![] } else { args.suite.plans(scene).into_iter().filter(drawn).collect() }
+/// The plans by which a suite draws a scene, as far as they are asked for: those that an adapter here can draw, and how many it
+/// cannot, for the device's own vertex stages and masks are not run.
+fn plans(args: &LegalArgs, scene: &Scene) -> (Vec<Plan>, usize) {
+    let is_asked = |plan: &Plan| args.technique.is_none_or(|technique| technique == plan.technique);
+    let can_be_drawn = |plan: &Plan| !scene.masked && ["fragment", "exact"].contains(&plan.technique.name());
+    let asked: Vec<Plan> = args.suite.plans(scene).into_iter().filter(is_asked).collect();
+    let (drawn, others): (Vec<Plan>, Vec<Plan>) = asked.into_iter().partition(can_be_drawn);
+    (drawn, others.len())
 }
 
 /// Runs the command.
@@ -200,17 +211,18 @@ pub fn run(args: &LegalArgs) -> Result<ExitCode> {
     }
     let side = args.side.map_or(args.suite.side(), usize::from);
     let viewport = Viewport::new(side, side)?;
-    let mut lines: Vec<Line> = vec![];
-    let mut left_out = 0;
+    let mut report = Report::default();
     for scene in scenes.into_iter().filter(|scene| args.scene.is_empty() || args.scene.iter().any(|n| n == scene.name))
     {
         let model = scene.open().map_err(anyhow::Error::msg)?;
         let caster = Caster::new(&model);
         for &viewpoint in args.suite.viewpoints(scene) {
             let camera = viewpoint.camera(&model, viewport);
-            for plan in plans(args, scene) {
+            let (plans, others) = plans(args, scene);
+            report.not_drawn += others;
+            for plan in plans {
                 if is_over() {
-                    left_out += 1;
+                    report.not_begun += 1;
                     continue;
                 }
                 let plan = Plan { unbounded_share: scene.unbounded_share, ..plan };
@@ -227,26 +239,28 @@ pub fn run(args: &LegalArgs) -> Result<ExitCode> {
                 if args.format == Format::Table {
                     show(&line)?;
                 }
-                lines.push(line);
+                report.cases.push(line);
             }
         }
     }
+    let lines = &report.cases;
     let differ = lines.iter().filter(|line| line.differ > 0).count();
     let agree = lines.iter().filter(|line| line.verdict() == "agree" && line.seeds > 0).count();
-    let pictures: u64 = lines.iter().map(|line| line.seeds).sum();
+    let is_cut = report.not_begun > 0 || lines.iter().any(|line| line.seeds < args.seeds);
+    let is_short = is_cut || agree < lines.len() || lines.is_empty();
     match args.format {
-        Format::Json => terminal::json(&lines)?,
+        Format::Json => terminal::json(&report)?,
         Format::Table => {
-            say!(
-                "{agree} of {} cases agree, {differ} differ; {pictures} pictures, {left_out} cases not begun",
-                lines.len()
-            )?;
+            let pictures: u64 = lines.iter().map(|line| line.seeds).sum();
+            say!("{agree} of {} cases agree, {differ} differ; {pictures} pictures", lines.len())?;
+            let Report { not_begun, not_drawn, .. } = &report;
+            say!("{not_begun} cases were not begun; {not_drawn} by grid, zones or masks are not drawn here")?;
         }
     }
-    Ok(ExitCode::from(match (differ, lines.len() - agree + left_out) {
-        (0, 0) if !lines.is_empty() => 0,
-        (0, _) => 2,
-        _ => 1,
+    Ok(ExitCode::from(match (differ > 0, is_short) {
+        (true, _) => 1,
+        (false, true) => 2,
+        (false, false) => 0,
     }))
 }
 

@@ -107,11 +107,6 @@ impl<'s> Scene<'s> {
         Ok(Self { stage, sources, candidates })
     }
 
-    /// How many pixels somebody may be seen at.
-    pub fn pixels(&self) -> usize {
-        self.candidates.iter().filter(|candidates| !candidates.is_empty()).count()
-    }
-
     /// The G-buffer of an adapter; the same for any number of threads.
     ///
     /// # Errors

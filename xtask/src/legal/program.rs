@@ -1,7 +1,7 @@
 //! A WGSL program, ready to be run a statement at a time: naga's tree of it, and where each value of a function stands.
 //!
 //! A value is a row of words of 32 bits: scalars, and vectors, matrices, arrays and structures as the words of their parts one
-//! after the other, without padding. A pointer is one word, see [`pointer`].
+//! after the other, without padding. A pointer is one word, see [`pointer()`].
 
 use anyhow::{Context, Result, bail, ensure};
 use naga::valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator};
@@ -102,11 +102,6 @@ impl Source {
             .validate(&module)
             .map_err(|error| anyhow::anyhow!(error.emit_to_string(wgsl)))?;
         Ok(Self { module, info })
-    }
-
-    /// What naga reads.
-    pub fn module(&self) -> &Module {
-        &self.module
     }
 }
 
