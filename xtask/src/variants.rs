@@ -4,28 +4,27 @@
 //! tokens of its text ([`text`]). A host draws a few scenes with it, and each picture is judged as any other: against rays and
 //! against the rasterizer. After Donaldson et al., *Automated Testing of Graphics Shader Compilers* (2017, doi 10.1145/3133917).
 
+pub mod reduced;
 pub mod rewriting;
 pub mod text;
 pub mod variant;
+pub mod wording;
 
-use crate::legal::picture::{Adapter, CALLED, Scene};
-use crate::legal::{Judged, why};
-use anyhow::{Context, Result, ensure};
+use crate::legal::Judged;
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use compare::Verdict;
-use gbuffer::GBuffer;
 use isophote::conform::corpus::Suite;
 use isophote::format::Format;
 use isophote::stage::{Path, Plan, Stage};
 use isophote::{say, terminal};
-use pipeline::wgsl::{self, Variant};
 use raycast::Caster;
 use scene::Viewport;
 use serde::Serialize;
-use std::cell::Cell;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use techniques::Technique;
+use wording::{Fault, Opened, Wording, Wrong};
 
 /// The scenes that each variant draws: folds, weights, loops inside loops, and a sphere, where both curvatures are one.
 const SCENES: [&str; 4] = ["silhouette", "weights-1-to-1000", "trim-nested-islands", "pole"];
@@ -59,9 +58,9 @@ pub struct VariantsArgs {
     /// Begin no further variant after this many seconds
     #[arg(long, value_name = "S")]
     seconds: Option<u64>,
-    /// Write the programs of the first variant that differs into this folder
+    /// Reduce the first variant that differs, and write it into this folder: model, programs, and how to see it
     #[arg(long, value_name = "DIR")]
-    out: Option<std::path::PathBuf>,
+    out: Option<PathBuf>,
     /// For people or for machines
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -107,29 +106,6 @@ pub enum Host {
     Machine,
 }
 
-/// What a compiler may get wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Fault {
-    /// A square is expanded, so that a difference cancels
-    Reassociation,
-    /// A place that was found is not clamped to its piece: of the program `exact`
-    Clamp,
-    /// A loop ends one turn too early
-    Bound,
-}
-
-impl Fault {
-    /// The text with the fault in it.
-    fn put(self, program: &str) -> String {
-        let (right, wrong) = match self {
-            Self::Reassociation => ("sqrt(x * x + b * b)", "sqrt(mean * mean - (a * c - b * b))"),
-            Self::Clamp => ("let inside = min(max(uv, piece.rectangle.xy), piece.rectangle.zw);", "let inside = uv;"),
-            Self::Bound => ("j <= q", "j < q"),
-        };
-        program.replace(right, wrong)
-    }
-}
-
 /// What came of a program's variants.
 #[derive(Debug, Clone, Serialize)]
 pub struct Line {
@@ -145,61 +121,14 @@ pub struct Line {
     pub first: Option<(u64, String, String)>,
 }
 
-/// A host that is there.
-pub enum Opened {
-    /// A GPU.
-    Gpu(Box<gpu::Device>),
-    /// The machine.
-    Machine,
-}
-
-impl Opened {
-    /// The functions that it calls by their names, beside entry points.
-    fn called(&self) -> &'static [&'static str] {
-        match self {
-            Self::Gpu(_) => &[],
-            Self::Machine => &CALLED,
-        }
-    }
-
-    /// Draws a stage with the programs of `source`.
-    ///
-    /// # Errors
-    /// Where the host refuses them.
-    pub fn draw(&self, stage: &Stage, source: &dyn Fn(Variant) -> String) -> Result<GBuffer> {
-        match self {
-            Self::Gpu(device) => {
-                let overrides = gpu::Overrides { source: Some(source), ..Default::default() };
-                Ok(stage.gpu(device, None, overrides)?.gbuffer)
-            }
-            Self::Machine => Scene::with_source(stage, source)?.draw(Adapter::STRICT),
-        }
-    }
-}
-
-/// Draws all scenes with the variant of a seed; what is wrong with the first that does not agree, and where.
+/// Draws all scenes; the first that does not agree, and what is wrong with it.
 ///
 /// # Errors
 /// Where the host refuses the programs.
-pub fn differs(
-    stages: &[(&str, Judged)],
-    host: &Opened,
-    seed: u64,
-    fault: Option<Fault>,
-) -> Result<Option<(String, String)>> {
-    let is_wrong = Cell::new(fault.is_none());
-    let source = |variant: Variant| {
-        let right = wgsl::source(variant);
-        let text = fault.map_or(right.clone(), |fault| fault.put(&right));
-        is_wrong.set(is_wrong.get() || text != right);
-        variant::variant(&text, seed, host.called())
-    };
+pub fn differs(stages: &[(&str, Judged)], host: &Opened, wording: Wording) -> Result<Option<(String, String)>> {
     for (name, judged) in stages {
-        let picture = host.draw(judged.stage(), &source)?;
-        ensure!(is_wrong.get(), "no program of {name} has the text that the fault changes");
-        let reports = judged.reports(&picture)?;
-        if let Some(report) = reports.iter().find(|report| report.verdict == Verdict::Differ) {
-            return Ok(Some(((*name).to_owned(), why(report))));
+        if let Some(Wrong { why, .. }) = wording.wrong(judged, host)? {
+            return Ok(Some(((*name).to_owned(), why)));
         }
     }
     Ok(None)
@@ -239,6 +168,9 @@ pub fn run(args: &VariantsArgs) -> Result<ExitCode> {
     };
     let can_be_run = |kind: &Kind| args.host == Host::Gpu || [Kind::Fragment, Kind::Exact].contains(kind);
     let is_chosen = |kind: &Kind| args.program.is_empty() || args.program.contains(kind);
+    if let Some(kind) = args.program.iter().find(|kind| !can_be_run(kind)) {
+        bail!("--host machine runs the programs fragment and exact, not {kind:?}");
+    }
     let mut lines = vec![];
     for &kind in Kind::value_variants().iter().filter(|kind| is_chosen(kind) && can_be_run(kind)) {
         let line = with_stages(kind, |stages| {
@@ -248,7 +180,8 @@ pub fn run(args: &VariantsArgs) -> Result<ExitCode> {
                     break;
                 }
                 line.variants += 1;
-                let wrong = match differs(stages, &host, seed, args.fault) {
+                let wording = Wording { seed, fault: args.fault };
+                let wrong = match differs(stages, &host, wording) {
                     Ok(None) => continue,
                     Ok(Some(found)) => {
                         line.differ += 1;
@@ -260,10 +193,12 @@ pub fn run(args: &VariantsArgs) -> Result<ExitCode> {
                     }
                 };
                 if line.first.is_none() {
-                    line.first = Some((seed, wrong.0, wrong.1));
-                    if let Some(folder) = &args.out {
-                        written(folder, stages, kind, seed, args.fault)?;
+                    if let (Some(folder), Some((_, judged))) =
+                        (&args.out, stages.iter().find(|(name, _)| *name == wrong.0))
+                    {
+                        reduced::write(folder, judged.stage(), wording, &host)?;
                     }
+                    line.first = Some((seed, wrong.0, wrong.1));
                 }
             }
             Ok(line)
@@ -292,32 +227,4 @@ pub fn run(args: &VariantsArgs) -> Result<ExitCode> {
             }
         }
     }))
-}
-
-/// Writes the programs of a variant, a file each.
-fn written(
-    folder: &std::path::Path,
-    stages: &[(&str, Judged)],
-    kind: Kind,
-    seed: u64,
-    fault: Option<Fault>,
-) -> Result<()> {
-    isophote::output::folder(folder)?;
-    for (name, judged) in stages {
-        let scene = &judged.stage().scene;
-        for &program in scene.programs() {
-            let parts = kind.plan().technique.parts();
-            let text = wgsl::source(Variant {
-                parts,
-                program,
-                curvature: true,
-                vertex_normals: false,
-                trims: scene.trim_method(),
-            });
-            let text = fault.map_or(text.clone(), |fault| fault.put(&text));
-            let file = format!("{kind:?}-{name}-{program:?}-seed-{seed}.wgsl").to_lowercase();
-            std::fs::write(folder.join(file), variant::variant(&text, seed, &[]))?;
-        }
-    }
-    Ok(())
 }
