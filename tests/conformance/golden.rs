@@ -1,8 +1,11 @@
 //! The CPU rasterizer's G-buffers: the same on any number of threads, and those that were blessed.
 
 use gbuffer::GBuffer;
+use processors::golden::GOLDENS;
+use processors::hashes;
 use rayon::ThreadPoolBuilder;
-use xtask::bless::GOLDENS;
+use techniques::fragment::Fragment;
+use xtask::bless;
 
 /// The largest golden file, bytes.
 const LARGEST: u64 = 256 * 1024;
@@ -15,12 +18,12 @@ fn raster_is_the_same_to_the_byte_on_any_number_of_threads_and_equals_its_golden
             .into_iter()
             .map(|threads| {
                 let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-                pool.install(|| golden.render(&model).expect("a picture"))
+                pool.install(|| golden.raster(&model, &Fragment))
             })
             .collect();
         let bytes: Vec<Vec<u8>> = buffers.iter().map(|buffer| buffer.npz_bytes().expect("bytes")).collect();
         assert!(bytes[0] == bytes[1] && bytes[1] == bytes[2], "{} depends on the number of threads", golden.name);
-        let path = golden.path();
+        let path = bless::path(golden);
         let size = std::fs::metadata(&path).expect("`cargo xtask bless` writes goldens").len();
         assert!(size <= LARGEST, "{} has {size} bytes", golden.name);
         let blessed = GBuffer::read_npz(&path).expect("a readable golden");
@@ -39,7 +42,7 @@ fn raster_is_the_same_to_the_byte_on_any_number_of_threads_and_equals_its_golden
 #[test]
 fn a_golden_notices_a_change_in_the_last_bit() {
     let golden = &GOLDENS[0];
-    let blessed = GBuffer::read_npz(golden.path()).expect("a readable golden");
+    let blessed = GBuffer::read_npz(bless::path(golden)).expect("a readable golden");
     let viewport = blessed.viewport();
     let mut changed = false;
     let rows = (0..viewport.height()).map(|y| {
@@ -58,4 +61,12 @@ fn a_golden_notices_a_change_in_the_last_bit() {
     let rows: Vec<Vec<_>> = rows.collect();
     let other = GBuffer::from_rows(viewport, blessed.meta().clone(), rows);
     assert_eq!(blessed.pixels().zip(other.pixels()).filter(|(a, b)| a != b).count(), 1);
+}
+
+#[test]
+fn every_golden_picture_has_its_blessed_hash() {
+    let blessed = std::fs::read_to_string(bless::hashes_path()).expect("`cargo xtask bless` writes hashes");
+    let lines: Vec<String> = hashes::lines().collect();
+    assert!(lines.len() > 100, "{} pictures", lines.len());
+    assert_eq!(hashes::differences(&blessed, &lines), [""; 0]);
 }

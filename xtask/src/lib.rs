@@ -5,4 +5,6 @@ pub mod bless;
 pub mod ci;
 pub mod geiger;
 pub mod kanai;
+pub mod legal;
 pub mod mutants;
+pub mod variants;

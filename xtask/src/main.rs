@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use isophote::{commands, entry};
 use std::process::ExitCode;
-use xtask::{bench, bless, ci, geiger, kanai, mutants};
+use xtask::{bench, bless, ci, geiger, kanai, legal, mutants, variants};
 
 /// Isophote and what its developers need
 #[derive(Parser)]
@@ -20,6 +20,8 @@ enum Command {
     Kanai(kanai::KanaiArgs),
     Geiger(geiger::GeigerArgs),
     Mutants(mutants::MutantsArgs),
+    Legal(legal::LegalArgs),
+    Variants(variants::VariantsArgs),
     Bench(bench::BenchArgs),
     Bless(bless::BlessArgs),
     Ci(ci::CiArgs),
@@ -32,6 +34,8 @@ fn main() -> ExitCode {
         Command::Kanai(args) => done(kanai::run(&args)),
         Command::Geiger(args) => done(geiger::run(&args)),
         Command::Mutants(args) => mutants::run(&args),
+        Command::Legal(args) => legal::run(&args),
+        Command::Variants(args) => variants::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Bless(args) => done(bless::run(&args)),
         Command::Ci(args) => ci::run(&args),

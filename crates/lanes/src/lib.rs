@@ -6,6 +6,7 @@
 
 pub use fearless_simd::Level;
 
+#[cfg(target_arch = "x86_64")]
 use fearless_simd::Simd;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -116,12 +117,12 @@ pub fn run<K: Kernel>(level: Level, kernel: K) -> K::Output {
 
 /// The levels that this processor has, each of which [`run`] treats differently; the best last.
 pub fn levels() -> Vec<Level> {
-    let mut levels = vec![Level::baseline()];
     #[cfg(target_arch = "x86_64")]
-    {
+    let wider = {
         let best = Level::new();
-        levels.extend(best.as_avx2().map(|avx2| avx2.level()));
-        levels.extend(best.as_avx512().map(|avx512| avx512.level()));
-    }
-    levels
+        [best.as_avx2().map(|avx2| avx2.level()), best.as_avx512().map(|avx512| avx512.level())]
+    };
+    #[cfg(not(target_arch = "x86_64"))]
+    let wider = [None; 2];
+    [Some(Level::baseline())].into_iter().chain(wider).flatten().collect()
 }
