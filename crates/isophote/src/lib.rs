@@ -14,6 +14,7 @@ pub mod conform;
 pub mod continuity;
 pub mod convert;
 pub mod cost;
+pub mod embedded;
 pub mod entry;
 pub mod eval;
 pub mod format;
