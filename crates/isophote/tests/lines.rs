@@ -25,6 +25,9 @@ const BETWEEN: usize = 64;
 /// A level, hundredths of a degree, and the lines of it.
 type Lines = BTreeMap<i64, Vec<Vec<DVec2>>>;
 
+/// How often the way from a pixel's centre by a step to its neighbour is crossed.
+type Crossed = BTreeMap<([usize; 2], [usize; 2]), usize>;
+
 /// What was found of a picture and its lines.
 #[derive(Debug, Default)]
 struct Checked {
@@ -166,8 +169,8 @@ fn angle(hit: &Hit, light: glam::DVec3) -> f64 {
 }
 
 /// How often lines cross the way from each pixel's centre to the next, and the pixels whose centre a line is too near to.
-fn crossings(lines: &[Vec<DVec2>]) -> (BTreeMap<([usize; 2], [usize; 2]), usize>, BTreeSet<[usize; 2]>) {
-    let mut crossed = BTreeMap::new();
+fn crossings(lines: &[Vec<DVec2>]) -> (Crossed, BTreeSet<[usize; 2]>) {
+    let mut crossed = Crossed::new();
     let mut unsure = BTreeSet::new();
     for pair in lines.iter().flat_map(|line| line.windows(2)) {
         // In pixels' centres.

@@ -4,7 +4,7 @@
 //! A [`Family`] says which lines. `equation` makes each the zeros of a polynomial on a Bézier patch, and `trace` finds them as chords
 //! that are proven to be within [`TOLERANCE`] of their line in the picture, none left out; `border` does so for where faces end.
 //! Chords are cut where a face has no material, `join`ed, and cut again where something hides them (`cut`): both are asked of an
-//! [`Eye`]. [`svg`] writes what the picture shows, [`dxf`] the same lines in space.
+//! [`Eye`]. [`svg()`] writes what the picture shows, [`dxf()`] the same lines in space.
 
 mod bernstein;
 mod border;
