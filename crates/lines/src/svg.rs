@@ -96,3 +96,23 @@ fn ink(family: &Family) -> (&'static str, f64) {
 fn quoted(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_left_out_where_the_way_hardly_changes() {
+        let straight: Vec<DVec2> = (0..60).map(|k| DVec2::new(f64::from(k), 3.0)).collect();
+        assert_eq!(thinned(&straight), [DVec2::new(0.0, 3.0), DVec2::new(59.0, 3.0)]);
+        let circle: Vec<DVec2> = (0..=5000).map(|k| 50.0 * DVec2::from_angle(f64::from(k) * 1e-3)).collect();
+        let kept = thinned(&circle);
+        assert_eq!((kept.first(), kept.last()), (circle.first(), circle.last()));
+        assert!(kept.len() < circle.len() / 20, "{}", kept.len());
+        let off = |pair: &[DVec2]| 50.0 - (0.5 * (pair[0] + pair[1])).length();
+        assert!(kept.windows(2).map(off).all(|off| off <= THINNED), "a chord of the circle leaves it");
+        // A corner stays.
+        let corner = [DVec2::ZERO, DVec2::X, DVec2::ONE];
+        assert_eq!(thinned(&corner), corner);
+    }
+}

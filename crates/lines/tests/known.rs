@@ -121,12 +121,12 @@ fn files_hold_the_lines_with_their_levels_and_faces() {
     let text = svg(&drawing, &camera, viewport, "a <sphere>", false);
     assert!(text.starts_with("<svg ") && text.contains("<title>a &lt;sphere&gt;</title>"), "{text}");
     assert_eq!(text.matches("<path data-level=\"30\" data-faces=\"0\" d=\"M").count(), 2);
-    // Places are left out, and what is left is the circle of half the sphere's radius, 50 pixels.
+    // The circles of half the sphere's radius, 50 pixels.
     let circle: Vec<DVec2> = text
         .split(['M', 'L', '"'])
         .filter_map(|step| step.split_once(' ').and_then(|(x, y)| Some(DVec2::new(x.parse().ok()?, y.parse().ok()?))))
         .collect();
-    assert!((40..200).contains(&circle.len()), "{}", circle.len());
+    assert!(circle.len() > 80, "{}", circle.len());
     assert!(circle.windows(2).all(|pair| {
         let middle = 0.5 * (pair[0] + pair[1]);
         pair[0].distance(pair[1]) > 20.0 || (middle.distance(DVec2::splat(120.0)) - 50.0).abs() < 0.1
