@@ -58,7 +58,8 @@ pub fn run(args: &PixelArgs) -> Result<ExitCode> {
     let rendered = stage.render(&caster, args.drawing.adapter.as_deref(), None);
     let ray = camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5);
     say!("pixel ({x}, {y}) of {}x{}", viewport.width(), viewport.height())?;
-    say!("ray   origin {}, direction {}, near {}", text(ray.origin), text(ray.direction), ray.near)?;
+    let [origin, direction] = [ray.origin, ray.direction].map(|v| text(v).replace('\n', ", "));
+    say!("ray   origin ({origin})\n      direction ({direction})\n      near {}", ray.near)?;
     let cast = caster.first(&ray);
     if let Some(undecided) = cast.undecided {
         say!("the ray caster is undecided: {undecided:?}")?;
@@ -163,6 +164,7 @@ fn intervals<const N: usize>(enclosures: &Enclosures, of: impl Fn(&Enclosure) ->
     enclosures.iter().map(one).collect::<Vec<_>>().join("\nor\n")
 }
 
+/// The components of a vector, each on a line.
 fn text(v: DVec3) -> String {
     v.to_array().map(|x| format!("{x:.9}")).join("\n")
 }
