@@ -20,6 +20,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("raycast", &["nurbs", "scene", "gbuffer"]),
     ("compare", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("continuity", &["nurbs", "scene"]),
+    ("lines", &["nurbs", "scene"]),
     ("techniques", &["lanes", "nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
 ];
 

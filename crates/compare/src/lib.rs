@@ -35,7 +35,7 @@ pub use deviation::{
 pub use diagnosis::{Diagnosis, Fault, Stored, diagnose};
 pub use error::CompareError;
 pub use judge::Judge;
-pub use report::{Counts, Coverage, Edges, Identical, PairReport, PixelReport, PixelVerdict, Verdict};
+pub use report::{Counts, Coverage, Edges, Identical, PairReport, PixelReport, PixelUse, PixelVerdict, Verdict};
 pub use report::{UNBOUNDED_SHARE, UNDECIDED_SHARE};
 pub use sampler::Sampler;
 pub use shares::{BINS, Histogram, Histograms, Shares};

@@ -3,6 +3,7 @@
 use crate::difference::Difference;
 use crate::edge::EdgeFound;
 use crate::evaluation::Evaluated;
+use crate::report::PixelUse;
 use crate::setting::Setting;
 use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares, Unbounded};
 use gbuffer::{GBuffer, Hit};
@@ -34,6 +35,25 @@ pub(crate) enum Finding {
     Unbounded(Unbounded, String),
     /// They differ.
     Differs(Difference),
+}
+
+impl Finding {
+    /// What the pixel uses of what it is allowed; `None` where nobody covers it.
+    pub fn used(&self) -> Option<PixelUse> {
+        match self {
+            Self::Uncovered => None,
+            Self::Unbounded(..) => Some(PixelUse::default()),
+            Self::Differs(Difference { cause, excess, .. }) => {
+                Some(PixelUse { share: Some(*excess as f32), cause: Some(*cause) })
+            }
+            Self::Agrees(found) => {
+                let Shares { position, normal, curvature, .. } = found.shares;
+                let across = Some(found.across_px / found.bound_px).filter(|share| share.is_finite());
+                let shares = [across, position, normal, curvature].into_iter().flatten();
+                Some(PixelUse { share: Some(shares.fold(0.0, f64::max) as f32), cause: None })
+            }
+        }
+    }
 }
 
 /// Why a pixel does not agree.

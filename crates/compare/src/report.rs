@@ -2,6 +2,7 @@
 
 use crate::{Cause, Histograms, Shares, Unbounded};
 use serde::Serialize;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// How many of the worst pixels a report keeps.
@@ -148,6 +149,24 @@ impl Edges {
     }
 }
 
+/// What a covered pixel uses of what it is allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PixelUse {
+    /// The greatest share, of the distance across the ray or of a value's interval: at most 1 where it agrees, and above where it
+    /// differs, as [`PixelReport::excess`] has it. `None` where it has no verdict.
+    pub share: Option<f32>,
+    /// Why it differs.
+    pub cause: Option<Cause>,
+}
+
+impl PixelUse {
+    /// That of the pixel in another sample, where it is worse.
+    fn worse(self, other: Self) -> Self {
+        let rank = |own: &Self| (own.cause.is_some(), own.share.is_none(), own.share.unwrap_or(0.0));
+        if rank(&self).partial_cmp(&rank(&other)) == Some(Ordering::Less) { other } else { self }
+    }
+}
+
 /// How far a candidate agrees with a reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairReport {
@@ -208,6 +227,9 @@ pub struct PairReport {
     pub verdict: Verdict,
     /// Why there is no verdict, where no pixel differs.
     pub explanation: Option<String>,
+    /// Of each pixel, row by row, what it uses; `None` where neither covers it. Of several samples the worst.
+    #[serde(skip)]
+    pub uses: Vec<Option<PixelUse>>,
 }
 
 impl PairReport {
@@ -225,7 +247,14 @@ impl PairReport {
                 report.explanation = report.explanation.take().map(|text| format!("sample {sample}: {text}"));
             }
         }
-        reports.into_iter().reduce(Self::with)
+        let uses = reports.iter_mut().map(|report| std::mem::take(&mut report.uses)).reduce(|mut all, sample| {
+            for (own, other) in all.iter_mut().zip(sample) {
+                *own = own.zip(other).map_or(own.or(other), |(own, other)| Some(own.worse(other)));
+            }
+            all
+        });
+        let report = reports.into_iter().reduce(Self::with)?;
+        Some(Self { uses: uses.unwrap_or_default(), ..report })
     }
 
     /// This report and one of other pixels of the same pair.
@@ -266,6 +295,7 @@ impl PairReport {
         self.shares.merge(&other.shares);
         self.worst.extend(other.worst);
         keep_worst(&mut self.worst);
+        self.uses.extend(other.uses);
         self
     }
 

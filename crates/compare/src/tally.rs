@@ -40,6 +40,7 @@ impl Tally {
             worst: vec![],
             verdict: Verdict::NoVerdict,
             explanation: None,
+            uses: vec![],
         };
         Self { report }
     }
@@ -61,7 +62,9 @@ impl Tally {
             _ => &mut report.coverage.partial,
         };
         *class += 1;
-        match pair.pixel(x, y) {
+        let finding = pair.pixel(x, y);
+        report.uses.push(finding.used());
+        match finding {
             Finding::Uncovered => {}
             Finding::Unbounded(reason, _) => {
                 report.unbounded += 1;

@@ -26,31 +26,54 @@ pub struct Lamps {
     pub turn_rad: f64,
 }
 
-impl GBuffer {
-    /// The highlight lines of a model: dark bands on a light body.
+/// Lamps in their places about a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HungLamps {
+    /// From the model toward them, world, of unit length.
+    pub light: DVec3,
+    /// Along each, world, of unit length.
+    pub along: DVec3,
+    /// A point of each, in order across.
+    pub lamps: Vec<DVec3>,
+    /// From one to the next, model units.
+    pub spacing: f64,
+}
+
+impl Lamps {
+    /// The lamps about a model, as a camera has them.
     ///
     /// # Errors
     /// [`GBufferError::Light`] where the direction is nought or not finite.
-    pub fn highlighted(&self, lamps: &Lamps, model: &Model, camera: &Camera) -> Result<Picture, GBufferError> {
-        let Lamps { count, toward, turn_rad } = *lamps;
+    pub fn hung(&self, model: &Model, camera: &Camera) -> Result<HungLamps, GBufferError> {
+        let Self { count, toward, turn_rad } = *self;
         let world = |v: DVec3| v.x * camera.right() + v.y * camera.above() - v.z * camera.forward();
         let light = toward.try_normalize().map(world).ok_or(GBufferError::Light { direction: toward.to_array() })?;
         // Along the lamps, as the picture shows them, across the way to them; of lamps that hang straight that way, any.
         let upright = DVec2::from_angle(turn_rad).perp();
         let flat = |v: DVec3| (v - v.dot(light) * light).try_normalize();
         let along = flat(world(upright.extend(0.0))).unwrap_or_else(|| light.any_orthonormal_vector());
-        let across = along.cross(light);
-        let (size, center) = (model.hull().diagonal(), model.hull().center());
-        let (first, spacing) = (center + size * light, WIDTH * size / f64::from(count));
+        let size = model.hull().diagonal();
+        let (middle, spacing) = (model.hull().center() + size * light, WIDTH * size / f64::from(count));
+        let lamp = |k: u32| middle + (f64::from(k) - 0.5 * f64::from(count - 1)) * spacing * along.cross(light);
+        Ok(HungLamps { light, along, lamps: (0..count).map(lamp).collect(), spacing })
+    }
+}
+
+impl GBuffer {
+    /// The highlight lines of a model: dark bands on a light body.
+    ///
+    /// # Errors
+    /// [`GBufferError::Light`] where the direction is nought or not finite.
+    pub fn highlighted(&self, lamps: &Lamps, model: &Model, camera: &Camera) -> Result<Picture, GBufferError> {
+        let HungLamps { light, along, lamps, spacing } = lamps.hung(model, camera)?;
         let is_lit = |hit: &Hit, n: DVec3| {
-            let height = (first - hit.position).dot(light);
+            let height = (lamps[0] - hit.position).dot(light);
             let place = hit.position + height / n.dot(light) * n;
-            // The lamp whose plane crossing is nearest; they are counted from the middle one.
-            let most = 0.5 * f64::from(count - 1);
-            let k = ((place - first).dot(across) / spacing + most).round().clamp(0.0, 2.0 * most) - most;
+            // The lamp whose plane crossing is nearest.
+            let k = ((place - lamps[0]).dot(along.cross(light)) / spacing).round().clamp(0.0, (lamps.len() - 1) as f64);
             let normal = along.cross(n);
-            let distance = normal.dot(first + k * spacing * across - hit.position).abs() / normal.length();
-            distance <= RADIUS_SHARE * spacing
+            let distance = normal.dot(lamps[k as usize] - hit.position).abs() / normal.length();
+            place.is_finite() && distance <= RADIUS_SHARE * spacing
         };
         let viewport = self.viewport();
         let colour = |i: usize, hit: Option<&Hit>| {

@@ -21,7 +21,7 @@ mod shade;
 
 pub use buffer::{GBuffer, Meta, Rows, Trims};
 pub use error::GBufferError;
-pub use highlight::Lamps;
+pub use highlight::{HungLamps, Lamps};
 pub use hit::{EDGE_REACH_PX, Hit, LocalParameters, PrincipalCurvatures};
 pub use picture::Picture;
 pub use plot::Quantity;

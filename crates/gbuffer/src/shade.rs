@@ -171,29 +171,48 @@ impl Shading {
         self.kind
     }
 
+    /// Toward the light, world, of unit length.
+    pub fn light(&self, camera: &Camera) -> DVec3 {
+        camera.right() * self.light.x + camera.above() * self.light.y - camera.forward() * self.light.z
+    }
+
+    /// The angles to the light between which isophote bands lie, degrees: above 0 and below 90, ascending.
+    pub fn band_borders(&self) -> Vec<f64> {
+        let bands = (90.0 / self.band_deg).ceil();
+        (1..bands as usize).map(|k| k as f64 * self.band_deg).collect()
+    }
+
+    /// The direction across which reflection lines are counted, world, of unit length.
+    pub fn stripe_axis(&self, camera: &Camera) -> DVec3 {
+        match self.turn_rad {
+            // An upright zebra keeps its bits.
+            0.0 => camera.right(),
+            turn => libm::cos(turn) * camera.right() + libm::sin(turn) * camera.above(),
+        }
+    }
+
+    /// The components of the mirrored view direction along [`Self::stripe_axis`] between which stripes lie, ascending.
+    pub fn stripe_borders(&self) -> Vec<f64> {
+        (1..self.stripes).map(|k| 2.0 * f64::from(k) / f64::from(self.stripes) - 1.0).collect()
+    }
+
     /// The numbers that [`shade_pixel`] and its twin need, computed in f64 and rounded.
     ///
     /// `size` is the diagonal of the model's hull, model units; only curvatures depend on it.
     pub fn uniform(&self, camera: &Camera, size: f64) -> ShadeUniform {
-        let light = camera.right() * self.light.x + camera.above() * self.light.y - camera.forward() * self.light.z;
-        let bands = (90.0 / self.band_deg).ceil();
+        let borders = self.band_borders();
         let mut thresholds = [[-2.0; 4]; MAX_BANDS / 4];
-        for (k, threshold) in (1..bands as usize).zip(thresholds.as_flattened_mut()) {
+        for (degrees, threshold) in borders.iter().zip(thresholds.as_flattened_mut()) {
             // libm's cosine, so that pictures do not depend on the platform's.
-            *threshold = libm::cos((k as f64 * self.band_deg).to_radians()) as f32;
+            *threshold = libm::cos(degrees.to_radians()) as f32;
         }
-        // An upright zebra keeps its bits.
-        let axis = match self.turn_rad {
-            0.0 => camera.right(),
-            turn => libm::cos(turn) * camera.right() + libm::sin(turn) * camera.above(),
-        };
         ShadeUniform {
-            light: light.as_vec3().to_array(),
+            light: self.light(camera).as_vec3().to_array(),
             kind: self.kind as u32,
-            axis: axis.as_vec3().to_array(),
+            axis: self.stripe_axis(camera).as_vec3().to_array(),
             stripes: self.stripes as f32,
             squares: SQUARES,
-            bands: bands as f32,
+            bands: (borders.len() + 1) as f32,
             curvature_scale: (size * CURVATURE_SHARE) as f32,
             padding: 0.0,
             thresholds,

@@ -3,6 +3,8 @@
 mod answer;
 mod args;
 mod judged;
+mod maps;
+mod page;
 pub mod pictures;
 mod rendered;
 mod report;
@@ -13,6 +15,7 @@ mod verdict;
 pub use args::{CompareArgs, DrawingArgs, Shade};
 pub use saved::{Saved, SavedFile};
 
+use crate::format::Format;
 use crate::output;
 use crate::view::ModelArgs;
 use anyhow::{Result, bail};
@@ -26,6 +29,13 @@ use std::process::ExitCode;
 pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     // Before minutes of work: a folder that cannot be made, or that another run writes to, is refused now.
     let _lock = args.out.as_deref().map(output::claim).transpose()?;
+    if let Some(path) = &args.report {
+        match (output::is_standard(path), args.format) {
+            (true, Format::Json) => bail!("--report - and --format json both write to standard output"),
+            (true, Format::Table) => {}
+            (false, _) => output::check(path, "html")?,
+        }
+    }
     let is_saved = |subject: &&String| Path::new(subject).extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     let subjects: Vec<&String> = args.subjects.iter().collect();
     match (subjects.iter().copied().partition::<Vec<_>, _>(is_saved), &args.of_model) {

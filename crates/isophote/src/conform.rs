@@ -10,7 +10,6 @@ pub mod html;
 pub mod junit;
 pub mod merge;
 pub mod own;
-pub mod pictures;
 pub mod report;
 pub mod run;
 pub mod shard;

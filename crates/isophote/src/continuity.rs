@@ -105,6 +105,7 @@ impl ContinuityArgs {
 /// Where input is bad or the file cannot be written.
 pub fn run(args: &ContinuityArgs) -> Result<ExitCode> {
     args.overlay.iter().try_for_each(|path| output::check(path, "png"))?;
+    args.out.iter().filter(|path| !output::is_standard(path)).try_for_each(|path| output::check_place(path))?;
     let document = args.model.document()?;
     let (model, millimetres) = (document.model, document.unit.map_or(1.0, |unit| unit.millimetres));
     let mut settings = Settings { millimetres, ..Settings::new(args.limits(millimetres), &model) };

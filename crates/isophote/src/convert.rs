@@ -1,7 +1,7 @@
 //! `convert`: a model as a file of another format, surfaces or triangles.
 
 use crate::view::ModelArgs;
-use crate::{number, say, terminal};
+use crate::{number, output, say, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use export::mesh::Facts;
@@ -43,6 +43,7 @@ pub struct ConvertArgs {
 pub fn run(args: &ConvertArgs) -> Result<()> {
     // Before a large file is read for nothing.
     let writer = writer_of(&args.out)?;
+    output::check_place(&args.out)?;
     if args.error.is_some() && !writer.is_tessellated() {
         bail!(
             "--error is how far triangles may be from the surface, and {} has the surfaces themselves",

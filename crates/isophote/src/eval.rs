@@ -1,24 +1,29 @@
 //! `eval`: S, derivatives, normal and curvatures at given parameters, as JSON.
 
-use crate::terminal;
 use crate::view::ModelArgs;
-use anyhow::{Context, Result, bail};
+use crate::{output, terminal};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use nurbs::{Direction, KnotVector, NormalStatus, Surface, SurfacePoint};
+use scene::Model;
 use serde::Deserialize;
 use serde_json::{Value, json};
+use std::io::{BufRead, Read};
 use std::path::PathBuf;
 
 /// Evaluate surfaces at given (u, v) in f64
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Example:
-  isophote eval teapot --queries points.json")]
+Examples:
+  isophote eval teapot --queries points.json
+  isophote eval teapot --queries - < points.txt     a line SURFACE U V each, answered in a line each")]
 pub struct EvalArgs {
     #[command(flatten)]
     model: ModelArgs,
-    /// A JSON file of parameters [default: nine points of every surface]
+    /// A JSON file of parameters, or lines of standard input (`-`) [default: nine points of every surface]
     ///
+    /// Standard input holds a line SURFACE U V for each point, as in `0 0.25 0.5`. Each is answered at once in a line of JSON, so that any
+    /// number of points takes no more memory than one. A file is
     /// {"queries": [{"surface": k, "uv": [[u, v], …], "sides": [[±1, ±1], …]}]}; "sides" is optional: −1 takes the limit from
     /// below at a knot.
     #[arg(long, value_name = "FILE")]
@@ -43,6 +48,12 @@ struct Query {
     sides: Option<Vec<[i8; 2]>>,
 }
 
+/// The longest line of standard input, bytes.
+const MAX_LINE_BYTES: u64 = 1 << 12;
+
+/// Answers that are written together, bytes, while there is more to read.
+const WRITTEN_BYTES: usize = 1 << 16;
+
 /// Runs the command.
 ///
 /// # Errors
@@ -50,6 +61,9 @@ struct Query {
 pub fn run(args: &EvalArgs) -> Result<()> {
     let model = args.model.open()?;
     let queries = match &args.queries {
+        Some(path) if output::is_standard(path) => {
+            return stream(&model, &mut std::io::stdin().lock(), terminal::bytes);
+        }
         Some(path) => {
             let name = path.display();
             let bytes = files::read(path, MAX_QUERY_BYTES).with_context(|| name.to_string())?;
@@ -59,19 +73,13 @@ pub fn run(args: &EvalArgs) -> Result<()> {
     };
     let mut answers = vec![];
     for (index, query) in queries.iter().enumerate() {
-        let Some(surface) = model.surfaces().get(query.surface) else {
-            let count = model.surfaces().len();
-            bail!("queries[{index}] names surface {}; the model has {count}", query.surface);
-        };
+        let surface = surface(&model, query.surface).with_context(|| format!("queries[{index}]"))?;
         if query.sides.as_ref().is_some_and(|sides| sides.len() != query.uv.len()) {
             bail!("queries[{index}] has {} points and another number of sides", query.uv.len());
         }
         let mut results = vec![];
         for (i, &[u, v]) in query.uv.iter().enumerate() {
-            let [[u0, u1], [v0, v1]] = surface.domain();
-            if !((u0..=u1).contains(&u) && (v0..=v1).contains(&v)) {
-                bail!("queries[{index}].uv[{i}] = ({u}, {v}) is outside the domain [{u0}, {u1}] x [{v0}, {v1}]");
-            }
+            check(surface, u, v).with_context(|| format!("queries[{index}].uv[{i}]"))?;
             let [side_u, side_v] = query.sides.as_ref().map_or([1, 1], |sides| sides[i]);
             let span_u = span(surface.knots(Direction::U), u, side_u);
             let span_v = span(surface.knots(Direction::V), v, side_v);
@@ -81,6 +89,64 @@ pub fn run(args: &EvalArgs) -> Result<()> {
         answers.push(json!({ "surface": query.surface, "results": results }));
     }
     terminal::json(&json!({ "schema_version": SCHEMA_VERSION, "queries": answers }))?;
+    Ok(())
+}
+
+/// Answers each line of a text as it comes; what was answered before an error stays written.
+fn stream(model: &Model, lines: &mut impl BufRead, mut write: impl FnMut(&[u8]) -> Result<()>) -> Result<()> {
+    let mut written = vec![];
+    let mut result = Ok(());
+    for number in 1u64.. {
+        let mut line = String::new();
+        let read = lines.take(MAX_LINE_BYTES).read_line(&mut line);
+        result = match read.context("standard input") {
+            Ok(0) => break,
+            Ok(_) if line.len() as u64 == MAX_LINE_BYTES => Err(anyhow!("it is longer than {MAX_LINE_BYTES} bytes")),
+            Ok(_) if line.trim().is_empty() => continue,
+            Ok(_) => answer_line(model, &line, &mut written),
+            Err(error) => Err(error),
+        }
+        .with_context(|| format!("line {number}"));
+        if result.is_err() {
+            break;
+        }
+        // Who waits for an answer before the next question gets it.
+        if WRITTEN_BYTES <= written.len() || !lines.fill_buf().is_ok_and(|more| more.contains(&b'\n')) {
+            write(&written)?;
+            written.clear();
+        }
+    }
+    write(&written)?;
+    result
+}
+
+fn answer_line(model: &Model, line: &str, written: &mut Vec<u8>) -> Result<()> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let number = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite());
+    let parsed = match words[..] {
+        [index, u, v] => index.parse::<usize>().ok().zip(number(u)).zip(number(v)),
+        _ => None,
+    };
+    let Some(((index, u), v)) = parsed else { bail!("it is not SURFACE U V, as in `0 0.25 0.5`") };
+    let surface = surface(model, index)?;
+    check(surface, u, v)?;
+    let mut fields = answer(u, v, &surface.inspect(u, v))?;
+    fields["surface"] = json!(index);
+    serde_json::to_writer(&mut *written, &fields)?;
+    written.push(b'\n');
+    Ok(())
+}
+
+fn surface(model: &Model, index: usize) -> Result<&Surface> {
+    let count = model.surfaces().len();
+    model.surfaces().get(index).with_context(|| format!("it names surface {index}; the model has {count}"))
+}
+
+fn check(surface: &Surface, u: f64, v: f64) -> Result<()> {
+    let [[u0, u1], [v0, v1]] = surface.domain();
+    if !((u0..=u1).contains(&u) && (v0..=v1).contains(&v)) {
+        bail!("({u}, {v}) is outside the domain [{u0}, {u1}] x [{v0}, {v1}]");
+    }
     Ok(())
 }
 
@@ -148,6 +214,36 @@ fn finite(name: &str, x: f64) -> Result<f64> {
 mod tests {
     use super::*;
     use glam::DVec3;
+
+    #[test]
+    fn lines_are_answered_in_lines_and_an_error_names_its_line() {
+        let model = models::builtin("teapot").expect("built in");
+        let answered = |text: &str| {
+            let mut written = vec![];
+            let result = stream(&model, &mut text.as_bytes(), |bytes| {
+                written.extend_from_slice(bytes);
+                Ok(())
+            });
+            (String::from_utf8(written).expect("UTF-8"), result.err().map(|error| format!("{error:#}")))
+        };
+        let (text, error) = answered("0 0.25 0.5\n\n3 1 0\n");
+        assert_eq!((text.lines().count(), error), (2, None));
+        let first: Value = serde_json::from_str(text.lines().next().expect("a line")).expect("JSON");
+        let point = model.surfaces()[0].point(0.25, 0.5);
+        assert_eq!(first["S"], json!(point.to_array()));
+        for (text, expected) in [
+            ("0 0 0\n0 2 0\n", "line 2: (2, 0) is outside the domain"),
+            ("0 0 0\n99 0 0\n", "line 2: it names surface 99; the model has 32"),
+            ("0 0 0\n0 nan 0\n", "line 2: it is not SURFACE U V"),
+            ("0 0 0\n{\"queries\"", "line 2: it is not SURFACE U V"),
+        ] {
+            let (written, error) = answered(text);
+            assert_eq!(written.lines().count(), 1, "what was answered stays");
+            assert!(error.is_some_and(|error| error.starts_with(expected)), "{text}");
+        }
+        let (_, error) = answered(&"0".repeat(1 << 13));
+        assert!(error.is_some_and(|error| error.contains("longer than 4096 bytes")));
+    }
 
     #[test]
     fn what_overflows_is_an_error_that_names_it() {

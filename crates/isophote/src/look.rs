@@ -5,6 +5,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use gbuffer::{GBuffer, Lamps, Picture, Quantity, ShadeKind, Shading, background};
 use glam::DVec3;
+use lines::Family;
 use scene::{Camera, Model};
 
 /// Stripes of a zebra, and lamps of highlight lines, unless told.
@@ -30,7 +31,7 @@ pub struct LookArgs {
     #[arg(long, hide_short_help = true, value_name = "DEG", value_parser = number::finite, allow_hyphen_values = true)]
     stripe_direction: Option<f64>,
     /// Toward the light: right, up, to the viewer [default: -0.5 0.6 1]
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
+    #[arg(long, hide_short_help = true, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
     light: Option<Vec<f64>>,
     /// The direction that a mould is pulled in, for `draft` [default: 0 0 1]
     #[arg(long, hide_short_help = true, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
@@ -45,7 +46,7 @@ pub struct LookArgs {
     #[arg(long)]
     legend: bool,
     /// What is behind the model: white, black, grey, #rrggbb or transparent
-    #[arg(long, value_name = "COLOUR", value_parser = behind)]
+    #[arg(long, hide_short_help = true, value_name = "COLOUR", value_parser = behind)]
     background: Option<Behind>,
 }
 
@@ -176,14 +177,47 @@ impl LookArgs {
                     Some(Range::Auto) | None => quantity.range(first),
                 },
             ),
-            (None, Look::Highlight) => Kind::Highlighted(Lamps {
-                count: self.stripes.unwrap_or(DEFAULT_STRIPES),
-                toward: self.light.as_deref().map_or(DVec3::new(0.0, 1.0, 1.0), vector_of),
-                turn_rad: self.stripe_direction.unwrap_or(0.0).to_radians(),
-            }),
+            (None, Look::Highlight) => Kind::Highlighted(self.lamps()),
             (None, _) => Kind::Shaded(self.shading().expect("`check` has looked at it")),
         };
         Painter { kind, behind: self.background, legend: self.legend, length: length.to_owned() }
+    }
+
+    /// The lines at which what is shown has its borders, or that it is of; `None` of what has none.
+    ///
+    /// # Errors
+    /// Where the light's direction is none.
+    pub fn lines(&self, model: &Model, camera: &Camera) -> Result<Option<Family>> {
+        Ok(match self.shade {
+            Look::Isophotes => {
+                let shading = self.shading()?;
+                Some(Family::Isophotes { light: shading.light(camera), degrees: shading.band_borders() })
+            }
+            Look::Zebra => {
+                let shading = self.shading()?;
+                Some(Family::Reflections { axis: shading.stripe_axis(camera), components: shading.stripe_borders() })
+            }
+            Look::Highlight => {
+                let hung = self.lamps().hung(model, camera)?;
+                Some(Family::Highlights { along: hung.along, lamps: hung.lamps })
+            }
+            _ => None,
+        })
+    }
+
+    /// What would not show in a drawing of lines.
+    pub fn given_of_pictures(&self) -> Option<&'static str> {
+        let given =
+            [(self.range.is_some(), "--range"), (self.legend, "--legend"), (self.background.is_some(), "--background")];
+        given.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
+    }
+
+    fn lamps(&self) -> Lamps {
+        Lamps {
+            count: self.stripes.unwrap_or(DEFAULT_STRIPES),
+            toward: self.light.as_deref().map_or(DVec3::new(0.0, 1.0, 1.0), vector_of),
+            turn_rad: self.stripe_direction.unwrap_or(0.0).to_radians(),
+        }
     }
 
     fn quantity(&self) -> Option<Quantity> {

@@ -40,10 +40,18 @@ pub fn check(path: &Path, ending: &str) -> Result<()> {
     if is_file && !path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending)) {
         bail!("{}: its name must end in .{ending}, which is what is written", place());
     }
+    check_place(path)
+}
+
+/// Refuses a path at which nothing can be written, whatever its name, before there is anything to write; its folder is made.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn check_place(path: &Path) -> Result<()> {
     if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         folder(parent)?;
     }
-    files::check(path).with_context(place)
+    files::check(path).with_context(|| path.display().to_string())
 }
 
 /// Writes a file, whole or not at all; to standard output where the path is `-`.

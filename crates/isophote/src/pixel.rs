@@ -6,13 +6,19 @@ use crate::view::{ModelArgs, ViewArgs};
 use crate::{say, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
+use comfy_table::{ColumnConstraint, Width};
 use gbuffer::Hit;
 use glam::DVec3;
 use nurbs::{Direction, Normal};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval};
 use raycast::Caster;
 use std::process::ExitCode;
+
+/// Characters of the columns: a number of 17 digits fits one of the last three.
+const WIDTHS: [u16; 4] = [10, 19, 19, 19];
+
+/// Blanks beside what a cell holds.
+const PADDING: u16 = 2;
 
 /// Explain one pixel, stage by stage, in each renderer
 #[derive(Debug, Args)]
@@ -52,7 +58,8 @@ pub fn run(args: &PixelArgs) -> Result<ExitCode> {
     let rendered = stage.render(&caster, args.drawing.adapter.as_deref(), None);
     let ray = camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5);
     say!("pixel ({x}, {y}) of {}x{}", viewport.width(), viewport.height())?;
-    say!("ray   origin {}, direction {}, near {}", text(ray.origin), text(ray.direction), ray.near)?;
+    let [origin, direction] = [ray.origin, ray.direction].map(|v| text(v).replace('\n', ", "));
+    say!("ray   origin ({origin})\n      direction ({direction})\n      near {}", ray.near)?;
     let cast = caster.first(&ray);
     if let Some(undecided) = cast.undecided {
         say!("the ray caster is undecided: {undecided:?}")?;
@@ -79,8 +86,7 @@ pub fn run(args: &PixelArgs) -> Result<ExitCode> {
 fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Result<()> {
     let gpu = rendered.gpu.as_ref().ok().and_then(|gpu| gpu.gbuffer.get(x, y));
     let hits = [rendered.raycast.get(x, y), rendered.raster.get(x, y), gpu];
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED);
+    let mut table = terminal::narrow_table();
     table.set_header(["stage", "raycast (f64)", "raster (f32)", "gpu (f32)"]);
     let mut row = |name: &str, value: &dyn Fn(&Hit) -> String| {
         let cell = |hit: Option<&Hit>| hit.map_or("—".to_owned(), value);
@@ -107,7 +113,7 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Resu
     });
     row("normal", &|hit| match hit.normal {
         Normal::Regular(n) => text(n),
-        Normal::Limit(n) => format!("limit {}", text(n)),
+        Normal::Limit(n) => format!("limit\n{}", text(n)),
         Normal::Undefined => "undefined".to_owned(),
     });
     row("interval of the normal", &|hit| intervals(&enclosures(hit), |e| e.normal));
@@ -128,7 +134,7 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Resu
     row("off the pixel's centre, px", &|hit| {
         let picture = stage.camera.project(stage.viewport, derivatives(hit).s);
         picture.map_or("behind the near plane".to_owned(), |(p, _)| {
-            format!("({:+.6}, {:+.6})", p.x - x as f64 - 0.5, p.y - y as f64 - 0.5)
+            format!("{:+.6}\n{:+.6}", p.x - x as f64 - 0.5, p.y - y as f64 - 0.5)
         })
     });
     row("chord bound, px", &|hit| {
@@ -137,6 +143,10 @@ fn print_columns(stage: &Stage, rendered: &Rendered, x: usize, y: usize) -> Resu
         let chord = chord.fold(0.0, |most: f64, chord| most.max(*chord));
         format!("{:.6}", chord * stage.camera.pixels_per_unit(stage.viewport, depth))
     });
+    for (column, width) in WIDTHS.into_iter().enumerate() {
+        let column = table.column_mut(column).expect("the header has four");
+        column.set_constraint(ColumnConstraint::Absolute(Width::Fixed(width + PADDING)));
+    }
     terminal::table(&table)
 }
 
@@ -149,11 +159,12 @@ fn spans(stage: &Stage, hit: &Hit) -> [usize; 2] {
 fn intervals<const N: usize>(enclosures: &Enclosures, of: impl Fn(&Enclosure) -> Option<[Interval; N]>) -> String {
     let one = |enclosure: &Enclosure| match of(enclosure) {
         None => "no bound".to_owned(),
-        Some(intervals) => intervals.map(|x| format!("{:+.9e} ± {:.2e}", x.middle, x.half_width)).join("\n"),
+        Some(intervals) => intervals.map(|x| format!("{:+.9e}\n  ± {:.2e}", x.middle, x.half_width)).join("\n"),
     };
     enclosures.iter().map(one).collect::<Vec<_>>().join("\nor\n")
 }
 
+/// The components of a vector, each on a line.
 fn text(v: DVec3) -> String {
-    format!("({:.9}, {:.9}, {:.9})", v.x, v.y, v.z)
+    v.to_array().map(|x| format!("{x:.9}")).join("\n")
 }

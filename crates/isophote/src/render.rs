@@ -3,6 +3,7 @@
 use crate::antialias::Antialias;
 use crate::approximate::ApproximateArgs;
 use crate::compare::DrawingArgs;
+use crate::lines::{LineArgs, is_lines};
 use crate::look::{LookArgs, Painter};
 use crate::masks::MaskReport;
 use crate::output;
@@ -11,7 +12,7 @@ use crate::say;
 use crate::stage::{Plan, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use continuity::{Class, Settings, report};
 use formats::Document;
@@ -27,7 +28,7 @@ use std::path::{Path, PathBuf};
 Examples:
   isophote render part.step --view iso --out part.png
   isophote render teapot --shade zebra --stripes 31 --out zebra.png
-  isophote render part.step --shade mean --legend --out mean.png")]
+  isophote render part.step --section z=12.5 --out lines.svg")]
 pub struct RenderArgs {
     #[command(flatten)]
     model: ModelArgs,
@@ -37,14 +38,19 @@ pub struct RenderArgs {
     drawing: DrawingArgs,
     #[command(flatten)]
     approximate: ApproximateArgs,
-    /// The renderer
-    #[arg(long, help_heading = "Drawing", value_enum, default_value = "raster")]
+    /// raster, gpu or raycast
+    #[arg(long, help_heading = "Drawing", value_enum, default_value = "raster", hide_possible_values = true)]
     with: With,
     #[command(flatten)]
     look: LookArgs,
-    /// Write the picture to this PNG file, or to standard output (`-`)
+    #[command(flatten)]
+    lines: LineArgs,
+    /// Write a picture (X.png, `-`) or lines (X.svg, X.dxf)
     ///
-    /// Folders on the way are made. What cannot be written is refused before anything is drawn.
+    /// `-` is standard output.
+    ///
+    /// Lines are curves on the surface itself, cut where they are hidden. SVG holds them as the picture shows them, in pixels, DXF in
+    /// space, in model units. Folders on the way are made. What cannot be written is refused before anything is drawn.
     #[arg(long, help_heading = "Output", value_name = "X.png")]
     out: Option<PathBuf>,
     /// Smooth edges
@@ -89,7 +95,14 @@ enum With {
 pub fn run(args: &RenderArgs) -> Result<()> {
     // Before a large file is read for nothing.
     args.look.check()?;
-    args.out.iter().filter(|path| !output::is_standard(path)).try_for_each(|path| output::check(path, "png"))?;
+    let lines = args.out.as_deref().filter(|path| is_lines(path));
+    args.lines.check(args.out.as_deref(), &args.look)?;
+    if lines.is_some() && (args.overlay.is_some() || args.antialias != Antialias::None) {
+        bail!("--overlay and --antialias go with a picture, and --out is one of lines");
+    }
+    for path in args.out.iter().filter(|path| !output::is_standard(path)) {
+        output::check(path, lines.and(path.extension()).and_then(OsStr::to_str).unwrap_or("png"))?;
+    }
     args.gbuffer.iter().try_for_each(|path| output::check(path, "npz"))?;
     let Document { model: original, unit, .. } = args.model.document()?;
     let viewport = args.view.viewport()?;
@@ -99,9 +112,16 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if let Some(drawn) = &drawn {
         terminal::note(format_args!("{}", drawn.facts.line()));
     }
+    if let Some(path) = lines {
+        args.lines.write(path, &args.look, model, &camera, viewport)?;
+        if args.gbuffer.is_none() {
+            return Ok(());
+        }
+    }
     let count = args.antialias.pattern().positions().len();
     let mut paths = args.gbuffer.as_ref().map(|path| files(path, count).into_iter());
-    let shows = args.out.is_some() || (args.gbuffer.is_none() && terminal::is_terminal());
+    let painted = args.out.as_ref().filter(|_| lines.is_none());
+    let shows = painted.is_some() || (args.gbuffer.is_none() && terminal::is_terminal());
     let bar = (count > 1).then(|| terminal::progress("samples", count));
     let overlay = args.overlay.filter(|_| shows).map(|OverlayKind::Continuity| {
         let millimetres = unit.as_ref().map_or(1.0, |unit| unit.millimetres);
@@ -137,7 +157,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     }
     if let Some(painter) = painter {
         let picture = Picture::average(&pictures)?;
-        match &args.out {
+        match painted {
             Some(path) => output::write(path, &painter.png(&picture, &seen, count)?)?,
             None => terminal::show(&painter.with_legend(&picture))?,
         }

@@ -11,8 +11,8 @@ mod worst;
 
 use crate::approximate::ApproximateArgs;
 use crate::compare::Shade;
-use crate::conform::pictures::data_uri;
 use crate::cost::Patience;
+use crate::embedded::data_uri;
 use crate::format::Format;
 use crate::number;
 use crate::stage::{Plan, Stage};
@@ -20,7 +20,6 @@ use crate::view::{ModelArgs, ViewArgs};
 use crate::{output, say, terminal};
 use anyhow::Result;
 use clap::Args;
-use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use gbuffer::GBuffer;
 use raycast::Caster;
 use std::path::PathBuf;
@@ -173,13 +172,15 @@ fn print(report: &Report, out: Option<&std::path::Path>) -> Result<()> {
     for fact in page::facts(report) {
         say!("{fact}")?;
     }
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED);
-    table.set_header(table::HEADS);
-    for row in &report.rows {
-        table.add_row(table::cells(row));
+    for columns in table::PARTS {
+        let mut part = terminal::narrow_table();
+        let keys = 0..table::KEYS;
+        part.set_header(keys.clone().chain(columns.clone()).map(|k| table::HEADS[k]));
+        for cells in report.rows.iter().map(table::cells) {
+            part.add_row(keys.clone().chain(columns.clone()).map(|k| cells[k].clone()));
+        }
+        terminal::table(&part)?;
     }
-    terminal::table(&table)?;
     for (row, measured) in report.measured() {
         for why in &measured.not_timed {
             say!("not timed: {}, {}: {why}", row.technique, row.goal)?;

@@ -6,7 +6,7 @@
 
 use crate::text::{escaped_json, escaped_lines};
 use anyhow::Result;
-use comfy_table::Table;
+use comfy_table::{ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use gbuffer::Picture;
 use indicatif::{MultiProgress, ProgressBar, ProgressFinish, ProgressStyle};
 use serde::Serialize;
@@ -87,6 +87,16 @@ pub fn lines(text: fmt::Arguments) -> Result<()> {
 #[macro_export]
 macro_rules! say {
     ($($part:tt)*) => { $crate::terminal::lines(format_args!($($part)*)) };
+}
+
+/// Columns of the terminal that tables keep to.
+pub const WIDTH: u16 = 80;
+
+/// An empty table that keeps to [`WIDTH`]: cells that are too wide take several lines.
+pub fn narrow_table() -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    table
 }
 
 /// Prints a table, with its colours. Cells must not hold text from outside but by [`escaped`](crate::text::escaped).

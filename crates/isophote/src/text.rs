@@ -33,6 +33,12 @@ pub fn escaped_lines(text: &str) -> Cow<'_, str> {
     replaced(text, |c| is_hidden(c) && c != '\n' && c != '\t', |shown, c| shown.extend(c.escape_unicode()))
 }
 
+/// Text as HTML takes it: nothing in it passes for markup, and hidden characters are [`escaped`], but for line ends.
+pub fn html(text: &str) -> String {
+    let visible: Vec<_> = text.lines().map(escaped).collect();
+    visible.join("\n").replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
 /// The name that was most likely meant by a misspelt one: at most a third of its characters are wrong, missing, too many or
 /// exchanged with their neighbours. `None` where none is that near. Text of over 64 characters is nobody's name.
 pub fn nearest<'n>(text: &str, names: &[&'n str]) -> Option<&'n str> {

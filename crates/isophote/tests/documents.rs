@@ -1,8 +1,12 @@
-//! Commands that documents and help show are commands that the program takes.
+//! Commands that documents and help show are commands that the program takes, and blocks of them run as they are written.
 
 use clap::{CommandFactory, Parser};
 use isophote::commands::Cli;
 use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// How the line above a block begins that is not run; the reason follows.
+const NOT_RUN: &str = "<!-- not run: ";
 
 /// The text files of a folder and those in it.
 fn texts(folder: &Path) -> Vec<PathBuf> {
@@ -17,7 +21,11 @@ fn commands(text: &str) -> Vec<String> {
     let line = |line: &str| {
         let line = line.trim().trim_start_matches("- run: ").trim_start_matches("- ");
         let line = line.rsplit("&& ").next().unwrap_or(line);
-        let end = [" # ", " > ", " | ", "  "].iter().filter_map(|mark| line.find(mark)).min().unwrap_or(line.len());
+        let end = [" # ", " > ", " < ", " | ", " || ", "  "]
+            .iter()
+            .filter_map(|mark| line.find(mark))
+            .min()
+            .unwrap_or(line.len());
         line[..end].trim().strip_prefix("isophote ").map(str::to_owned)
     };
     text.lines().filter_map(line).collect()
@@ -49,4 +57,51 @@ fn every_command_in_the_documents_and_in_the_help_is_taken() {
     let refused: Vec<String> = shown.iter().filter_map(|command| refusal(command)).collect();
     assert!(refused.is_empty(), "{}", refused.join("\n"));
     assert!(refusal("render teapot --shade plaid").is_some() && refusal("compare a b c").is_some());
+}
+
+/// The blocks of shell commands of a text, but those that say why they are not run.
+fn blocks(text: &str) -> Vec<String> {
+    let mut blocks = vec![];
+    let (mut above, mut lines) = ("", text.lines());
+    while let Some(line) = lines.next() {
+        if line == "```sh" {
+            let block: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
+            if !above.starts_with(NOT_RUN) {
+                blocks.push(block.join("\n"));
+            }
+        }
+        above = if line.is_empty() { above } else { line };
+    }
+    blocks
+}
+
+/// What a block says when it fails.
+fn failure(block: &str, folder: &Path) -> Option<String> {
+    let programs = Path::new(env!("CARGO_BIN_EXE_isophote")).parent().expect("a folder of programs");
+    let path = format!("{}:{}", programs.display(), std::env::var("PATH").expect("a path"));
+    let output = Command::new("bash").args(["-euc", block]).current_dir(folder).env("PATH", path).output();
+    let output = output.expect("bash starts");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (!output.status.success()).then(|| format!("{block}\n{said}"))
+}
+
+/// `part.step` and two answers of a renderer are there from the start.
+#[test]
+fn blocks_of_commands_in_the_documents_run_as_they_are_written() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("documents");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for name in ["yours.npz", "new.npz"] {
+        std::fs::copy(root.join("testdata/foreign/teapot.npz"), folder.join(name)).expect("a copy");
+    }
+    assert_eq!(failure("isophote convert seam-pair --out part.step", &folder), None);
+    let texts = texts(&root.join("docs")).into_iter().chain([root.join("README.md")]);
+    let blocks: Vec<String> = texts.flat_map(|path| blocks(&std::fs::read_to_string(path).expect("a text"))).collect();
+    assert!(blocks.len() >= 10, "{}", blocks.len());
+    let failures: Vec<String> = blocks.iter().filter_map(|block| failure(block, &folder)).collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
+    // A command that fails is told, and a block that says why is not run.
+    assert!(failure("isophote render teapto\ntrue", &folder).is_some_and(|said| said.contains("did you mean")));
+    assert_eq!(self::blocks("<!-- not run: it is long -->\n\n```sh\nfalse\n```\n\n```sh\ntrue\n```\n"), ["true"]);
 }

@@ -1,6 +1,7 @@
 //! The answer: a report with its pictures, and an exit code.
 
 use super::args::CompareArgs;
+use super::page::Page;
 use super::pictures::Pictures;
 use crate::format::Format;
 use crate::{output, say, terminal};
@@ -24,16 +25,23 @@ pub(super) fn exit_code(pairs: &[PairReport]) -> u8 {
     }
 }
 
-/// Writes and shows a report with its pictures; `print` is what people read.
+/// Writes and shows a report with its pictures; `page` is what people read in a browser, and `print` in a terminal.
 pub(super) fn answer(
     args: &CompareArgs,
     report: &impl Serialize,
     pictures: &Pictures,
+    page: &Page,
     print: impl Fn() -> Result<()>,
 ) -> Result<()> {
     if let Some(folder) = &args.out {
         pictures.write(folder)?;
         output::write_json(&folder.join("report.json"), report)?;
+    }
+    if let Some(path) = &args.report {
+        output::write(path, page.text(pictures)?.as_bytes())?;
+        if output::is_standard(path) {
+            return Ok(());
+        }
     }
     match args.format {
         Format::Json => terminal::json(report)?,
@@ -41,6 +49,9 @@ pub(super) fn answer(
             terminal::show(&Picture::beside(&pictures.views()?.iter().collect::<Vec<_>>()))?;
             if let Some(folder) = &args.out {
                 say!("pictures and report.json are in {}", folder.display())?;
+            }
+            if let Some(path) = &args.report {
+                say!("the report is {}", path.display())?;
             }
             print()?;
         }

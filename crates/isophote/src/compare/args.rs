@@ -70,6 +70,12 @@ pub struct CompareArgs {
     /// Write pictures, difference maps and report.json to this folder
     #[arg(long, help_heading = "Output", value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
+    /// Write one HTML page of pictures, maps and causes, or to standard output (`-`)
+    ///
+    /// It opens from disk and fetches nothing. The maps show what was judged: of each pixel the share that it uses of what it is
+    /// allowed, and why it differs.
+    #[arg(long, help_heading = "Output", value_name = "X.html")]
+    pub(super) report: Option<PathBuf>,
     /// For people or for machines
     #[arg(long, help_heading = "Output", value_enum, default_value_t)]
     pub(super) format: Format,

@@ -2,6 +2,7 @@
 
 use super::answer::{SCHEMA_VERSION, answer, exit_code};
 use super::args::CompareArgs;
+use super::page::Page;
 use super::pictures::Pictures;
 use super::saved::{Saved, SavedComparison, SavedFile};
 use super::{table, verdict};
@@ -76,7 +77,19 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
         undecided: cast.undecided(),
     };
     let pictures = Pictures::new(&saved.model, &saved.camera, &buffers, &args.shade.shading())?;
-    answer(args, &report, &pictures, || print(&report))?;
+    let mut facts = vec![
+        ("model hash", report.model_hash.clone()),
+        ("size", format!("{} x {} pixels", report.size[0], report.size[1])),
+        ("camera", serde_json::to_string(&saved.camera)?),
+        ("chord error", format!("{} px", plan.chord_px)),
+        ("undecided by the ray caster", report.undecided.to_string()),
+        ("program", env!("CARGO_PKG_VERSION").to_owned()),
+    ];
+    facts.extend(report.files.iter().map(|file| ("file", file.line())));
+    let line = verdict::line(&pairs, &diagnoses, None, 0);
+    let (code, viewport) = (exit_code(&pairs), saved.viewport);
+    let page = Page { model: report.model, line, code, facts, pairs: &pairs, viewport };
+    answer(args, &report, &pictures, &page, || print(&report))?;
     Ok(ExitCode::from(exit_code(&pairs)))
 }
 
@@ -93,15 +106,18 @@ impl<'a> FileReport<'a> {
             covered: file.buffer.covered(),
         }
     }
+
+    fn line(&self) -> String {
+        let Self { file, renderer, technique, adapter, version, covered, .. } = self;
+        let adapter = adapter.map_or(String::new(), |name| format!(" on {name:?}"));
+        let [file, renderer, technique] = [file.as_str(), renderer, technique].map(escaped);
+        format!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered")
+    }
 }
 
 fn print(report: &Report) -> Result<()> {
     say!("{}, {}x{}", escaped(report.model), report.size[0], report.size[1])?;
-    for FileReport { file, renderer, technique, adapter, version, covered, .. } in &report.files {
-        let adapter = adapter.map_or(String::new(), |name| format!(" on {name:?}"));
-        let [file, renderer, technique] = [file.as_str(), renderer, technique].map(escaped);
-        say!("{file}: {renderer}{adapter}, technique {technique}, version {version:?}, {covered} pixels covered")?;
-    }
+    report.files.iter().try_for_each(|file| say!("{}", file.line()))?;
     if let Some(renderer) = report.regression_of {
         say!("a check for regressions: both files are of {}, the second is held against the first", escaped(renderer))?;
     }

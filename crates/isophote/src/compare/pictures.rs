@@ -79,6 +79,14 @@ impl Pictures {
         self.shaded[..self.views].iter().map(|(_, samples)| Ok(Picture::average(samples)?)).collect()
     }
 
+    /// The pictures by name, averaged over their samples, without the maps.
+    ///
+    /// # Errors
+    /// As of [`Self::views`].
+    pub fn named(&self) -> Result<Vec<(&str, Picture)>> {
+        self.shaded.iter().map(|(name, samples)| Ok((&**name, Picture::average(samples)?))).collect()
+    }
+
     /// Writes all of them to a folder, which is made if need be.
     pub fn write(&self, folder: &Path) -> Result<()> {
         output::folder(folder)?;

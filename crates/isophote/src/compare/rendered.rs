@@ -2,6 +2,7 @@
 
 use super::answer::{SCHEMA_VERSION, answer, exit_code};
 use super::args::CompareArgs;
+use super::page::Page;
 use super::pictures::Pictures;
 use super::report::Report;
 use super::table;
@@ -69,13 +70,30 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
     let rest = found.split_off(1);
     let mut pictures = found.remove(0).pictures;
     rest.into_iter().for_each(|sample| pictures.add_sample(sample.pictures));
-    answer(args, &report, &pictures, || table::print(&report))?;
     let differs = report.shaded.as_ref().is_some_and(|shaded| shaded.verdict == Verdict::Differ);
-    Ok(ExitCode::from(match (&gpu, differs) {
+    let code = match (&gpu, differs) {
         (Err(_), _) if !args.no_gpu => 2,
         (_, true) => 1,
         (_, false) => exit_code(&pairs),
-    }))
+    };
+    let mut facts = vec![
+        ("model hash", model.hash()),
+        ("size", format!("{} x {} pixels", viewport.width(), viewport.height())),
+        ("camera", serde_json::to_string(&camera)?),
+        ("technique", report.technique.to_owned()),
+        ("chord error", format!("{} px", stage.plan.chord_px)),
+        ("triangles", report.triangles.to_string()),
+        ("trims", report.trim.to_owned()),
+        ("samples a pixel", samples.len().to_string()),
+        ("adapter", report.adapter.clone().or(report.gpu_not_run.clone()).unwrap_or("left out by --no-gpu".to_owned())),
+        ("driver", report.driver.clone().unwrap_or("—".to_owned())),
+        ("undecided by the ray caster", report.undecided.to_string()),
+        ("program", env!("CARGO_PKG_VERSION").to_owned()),
+    ];
+    facts.extend(report.notes.iter().map(|note| ("note", note.clone())));
+    let page = Page { model: model.name(), line: report.line(), code, facts, pairs: &pairs, viewport };
+    answer(args, &report, &pictures, &page, || table::print(&report))?;
+    Ok(ExitCode::from(code))
 }
 
 /// Renders and judges the samples, in the pattern's order; there is at least one. One renderer on the GPU draws all.

@@ -1,10 +1,11 @@
 //! What a comparison of three renderings found.
 
+use super::verdict;
 use crate::antialias::SampleReport;
 use crate::approximate::Approximation;
 use crate::masks::MaskReport;
 use crate::stage::ShadedReport;
-use compare::PairReport;
+use compare::{PairReport, Verdict};
 use serde::Serialize;
 
 /// What the comparison found.
@@ -37,4 +38,13 @@ pub(super) struct Report<'a> {
     pub gpu_not_run: Option<String>,
     /// Pixels that the ray caster could not decide.
     pub undecided: usize,
+}
+
+impl Report<'_> {
+    /// The answer in one plain line.
+    pub fn line(&self) -> String {
+        let shaded = self.shaded.as_ref().filter(|shaded| shaded.verdict == Verdict::Differ);
+        let differ = shaded.map_or(0, |shaded| shaded.differ);
+        verdict::line(self.pairs, &[], self.gpu_not_run.as_deref(), differ)
+    }
 }

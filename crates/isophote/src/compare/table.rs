@@ -1,17 +1,14 @@
 //! A comparison in words and columns.
 
 use super::report::Report;
-use super::verdict::{self, short};
+use super::verdict::short;
 use crate::antialias::SampleReport;
 use crate::text::escaped;
 use crate::{say, terminal};
 use anyhow::Result;
-use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use comfy_table::{Attribute, Cell, CellAlignment, Color};
 use compare::{PairReport, Verdict};
 use std::collections::BTreeSet;
-
-/// Columns of the terminal that the table keeps to.
-const WIDTH: u16 = 80;
 
 /// Pixels of the worst that are listed for each cause of a pair.
 const LISTED: usize = 4;
@@ -53,9 +50,7 @@ pub(super) fn print(report: &Report) -> Result<()> {
     if let Some(note) = report.masks.as_ref().and_then(|masks| masks.note.as_deref()) {
         say!("note: {note}")?;
     }
-    let shaded =
-        report.shaded.as_ref().map_or(0, |shaded| if shaded.verdict == Verdict::Differ { shaded.differ } else { 0 });
-    say!("{}", verdict::line(report.pairs, &[], report.gpu_not_run.as_deref(), shaded))
+    say!("{}", report.line())
 }
 
 /// Names a pixel's sample, where it has several.
@@ -84,8 +79,7 @@ const HEADINGS: &str = concat!(
 /// # Errors
 /// Where standard output takes no more.
 pub(super) fn pairs(pairs: &[PairReport]) -> Result<()> {
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    let mut table = terminal::narrow_table();
     table.set_header(["reference | candidate", "covered", "differ", "off, px", "allowed", "verdict"]);
     for pair in pairs {
         let (text, colour) = match pair.verdict {

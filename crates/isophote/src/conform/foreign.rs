@@ -5,12 +5,12 @@
 
 use super::answer::{OutputArgs, claim, finish};
 use super::corpus::{CaseKey, Scene, Suite, Viewpoint};
-use super::pictures::data_uri;
 use super::report::{Case, Outcome, Pair, Report, Subject};
 use super::run::{Plans, host};
 use super::shard::Shard;
 use crate::compare::Saved;
 use crate::compare::pictures::difference;
+use crate::embedded::data_uri;
 use crate::stage::Plan;
 use crate::{output, say, scene, terminal};
 use ::scene::{Camera, Model, Viewport};

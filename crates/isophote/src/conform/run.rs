@@ -2,11 +2,11 @@
 
 use super::compilers::unlike;
 use super::corpus::{Corpus, Scene, Suite, Viewpoint};
-use super::pictures::data_uri;
 use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
 use super::shard::Shard;
 use super::wrong::Vacuity;
 use crate::compare::pictures::difference;
+use crate::embedded::data_uri;
 use crate::stage::{Plan, Stage};
 use crate::terminal;
 use anyhow::{Context, Result};

@@ -2,13 +2,21 @@
 
 use super::compilers;
 use super::report::{Outcome, Report, State, Subject};
+use crate::terminal;
 use crate::text::escaped;
-use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets::UTF8_FULL_CONDENSED};
+use comfy_table::{Attribute, Cell, CellAlignment, Color, Table};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Missing cases that are named.
 const NAMED: usize = 3;
+
+/// What the table's columns are, for those who see it for the first time.
+const HEADINGS: &str = concat!(
+    "  agree: of the scene's cases; open: pixels without a verdict\n",
+    "  caught: of pictures made wrong; S / n / k: the greatest share of what position,\n",
+    "  normal and curvatures are allowed",
+);
 
 /// A scene's outcomes for one subject, added up.
 #[derive(Default)]
@@ -58,7 +66,7 @@ pub fn text(report: &Report) -> String {
         let _ = writeln!(out, "{}", heading(subject));
         let rows = rows(report, subject);
         if !rows.is_empty() {
-            let _ = writeln!(out, "{}", table(&rows));
+            let _ = writeln!(out, "{}\n{HEADINGS}", table(&rows));
         }
         for (key, reason) in differences(report, subject) {
             let _ = writeln!(out, "  {}: {}", escaped(&key), escaped(&reason));
@@ -114,20 +122,8 @@ fn rows<'a>(report: &'a Report, subject: &'a Subject) -> Vec<Row<'a>> {
 }
 
 fn table(rows: &[Row]) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED);
-    table.set_header([
-        "scene",
-        "cases",
-        "agree",
-        "pixels",
-        "differ",
-        "undecided",
-        "unbounded",
-        "wrong caught",
-        "S / n / k, % of budget",
-        "verdict",
-    ]);
+    let mut table = terminal::narrow_table();
+    table.set_header(["scene", "agree", "pixels", "differ", "open", "caught", "S / n / k, %", "verdict"]);
     let mut total = Row { scene: "all", ..Row::default() };
     for row in rows {
         table.add_row(cells(row));
@@ -144,7 +140,7 @@ fn table(rows: &[Row]) -> Table {
         }
     }
     table.add_row(cells(&total));
-    for column in 1..9 {
+    for column in 1..7 {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);
         }
@@ -159,16 +155,14 @@ fn cells(row: &Row) -> Vec<Cell> {
         _ => ("NOT RUN", Color::Yellow),
     };
     let [caught, made] = row.wrong;
-    let caught = if made == 0 { "—".to_owned() } else { format!("{caught} of {made}") };
+    let caught = if made == 0 { "—".to_owned() } else { format!("{caught}/{made}") };
     let [s, n, k] = row.shares.map(|share| format!("{:.1}", 100.0 * share));
     vec![
         Cell::new(escaped(row.scene)),
-        Cell::new(row.cases),
-        Cell::new(row.agree),
+        Cell::new(format!("{}/{}", row.agree, row.cases)),
         Cell::new(row.covered),
         Cell::new(row.differing),
-        Cell::new(row.undecided),
-        Cell::new(row.unbounded),
+        Cell::new(row.undecided + row.unbounded),
         Cell::new(caught),
         Cell::new(format!("{s} / {n} / {k}")),
         Cell::new(word).fg(colour).add_attribute(Attribute::Bold),

@@ -1,9 +1,9 @@
 //! The report as one page to print and sign: verdict, a picture with the edges by class, table, settings, the model's hash.
 
 use super::table;
-use crate::conform::pictures::data_uri;
+use crate::embedded::data_uri;
 use crate::overlay::{Mark, Overlay};
-use crate::text::escaped;
+use crate::text::html;
 use anyhow::Result;
 use continuity::{Report, Verdict};
 use gbuffer::Picture;
@@ -94,10 +94,4 @@ fn figure(report: &Report, picture: &Picture) -> Result<String> {
         picture.height(),
         data_uri(picture)?
     ))
-}
-
-/// Text with nothing in it that a page takes for markup, nor hidden characters.
-fn html(text: &str) -> String {
-    let visible: Vec<_> = text.lines().map(escaped).collect();
-    visible.join("\n").replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -5,7 +5,7 @@ use super::plot::{Plot, Series, svg};
 use super::report::Report;
 use super::row::{Measured, Outcome};
 use super::table::{HEADS, cells, number};
-use crate::text::escaped;
+use crate::text::html;
 use anyhow::Result;
 use plotters::prelude::SeriesLabelPosition;
 use std::fmt::Write;
@@ -126,11 +126,6 @@ fn list<'a>(page: &mut String, head: &str, items: impl Iterator<Item = &'a str>)
     }
     page.push_str("</ul>\n");
     Ok(())
-}
-
-/// A name, a message or a number as HTML takes it.
-fn html(text: &str) -> String {
-    escaped(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 type Figure = fn(&Measured) -> Option<f64>;

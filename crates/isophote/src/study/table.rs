@@ -25,6 +25,12 @@ pub const HEADS: [&str; 17] = [
     "held, MB; sent, kB",
 ];
 
+/// Columns that say which row it is.
+pub const KEYS: usize = 2;
+
+/// The other columns, in parts that a terminal shows below each other: triangles and offsets, normals and coverage, costs.
+pub const PARTS: [std::ops::Range<usize>; 3] = [KEYS..7, 7..12, 12..17];
+
 /// The cells of a row; a row that failed has its reason in the third.
 pub fn cells(row: &Row) -> Vec<String> {
     let none = || "—".to_owned();

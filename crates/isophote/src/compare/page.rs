@@ -1,0 +1,154 @@
+//! One comparison as one HTML file that opens from disk: the answer, pictures, maps of what was judged, tables and settings.
+
+use super::maps::{self, AGREES, BEYOND, NO_VERDICT, SHARE_ENDS};
+use super::pictures::Pictures;
+use super::verdict::short;
+use crate::embedded::data_uri;
+use crate::text::html;
+use anyhow::Result;
+use compare::{PairReport, Verdict};
+use scene::Viewport;
+use std::fmt::Write;
+
+const STYLE: &str = include_str!("../../assets/report.css");
+
+/// What a page shows besides its pictures.
+pub(super) struct Page<'a> {
+    /// The model's name.
+    pub model: &'a str,
+    /// The answer in one plain line.
+    pub line: String,
+    /// 0, 1 or 2, as the command exits.
+    pub code: u8,
+    /// Settings by name.
+    pub facts: Vec<(&'static str, String)>,
+    pub pairs: &'a [PairReport],
+    pub viewport: Viewport,
+}
+
+impl Page<'_> {
+    /// The page.
+    ///
+    /// # Errors
+    /// Where a picture cannot be encoded.
+    pub fn text(&self, pictures: &Pictures) -> Result<String> {
+        let title = format!("Comparison of {}", html(self.model));
+        let (state, word) = match self.code {
+            0 => ("agree", "Agree."),
+            1 => ("differ", "Differ."),
+            _ => ("partial", "Not all was compared."),
+        };
+        let mut page = format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+             <meta name=\"color-scheme\" content=\"light dark\"><title>{title}</title>\
+             <link rel=\"icon\" href=\"data:,\"><style>{STYLE}</style></head>\n<body>\n<header><div class=\"wide bar\"><div>\
+             <p class=\"brand\">Isophote</p><h1>{title}</h1></div></div>\n\
+             <div class=\"verdict {state}\" role=\"status\"><p><strong>{word}</strong>{}</p></div></header>\n<main class=\"wide\">\n",
+            html(&self.line)
+        );
+        page.push_str("<section><h2>Pictures</h2><div class=\"maps large\">\n");
+        for (name, picture) in pictures.named()? {
+            figure(&mut page, &html(name), &data_uri(&picture)?)?;
+        }
+        page.push_str("</div></section>\n");
+        for pair in self.pairs {
+            self.pair(&mut page, pair)?;
+        }
+        page.push_str("<section><h2>Settings</h2><table><tbody>\n");
+        for (name, value) in &self.facts {
+            writeln!(page, "<tr><th scope=\"row\">{name}</th><td>{}</td></tr>", html(value))?;
+        }
+        writeln!(page, "</tbody></table><h3>Again</h3><code>{}</code></section>", html(&command()))?;
+        page.push_str("</main>\n<footer class=\"wide quiet\">One file, nothing fetched.</footer>\n</body></html>\n");
+        Ok(page)
+    }
+
+    fn pair(&self, page: &mut String, pair: &PairReport) -> Result<()> {
+        let name = html(&format!("{} | {}", pair.reference, pair.candidate));
+        let (state, word) = match pair.verdict {
+            Verdict::Agree => ("agree", "agrees"),
+            Verdict::Differ => ("differ", "differs"),
+            Verdict::NoVerdict => ("partial", "no verdict"),
+        };
+        writeln!(page, "<section><h2>{name} <span class=\"badge {state}\">{word}</span></h2>")?;
+        writeln!(page, "<p class=\"lead\">{}</p>\n<div class=\"maps large\">", html(&pair.bounds))?;
+        figure(page, "Share used of what is allowed", &data_uri(&maps::shares(pair, self.viewport)?)?)?;
+        figure(page, "Causes", &data_uri(&maps::causes(pair, self.viewport)?)?)?;
+        page.push_str("</div>\n<ul class=\"legend\">");
+        let [low, high] = SHARE_ENDS.map(colour);
+        write!(
+            page,
+            "<li>0 % <i class=\"ramp\" style=\"background:linear-gradient(to right,{low},{high})\"></i> 100 %</li>"
+        )?;
+        let mut entry =
+            |rgb: [u8; 3], text: String| write!(page, "<li><i style=\"background:{}\"></i> {text}</li>", colour(rgb));
+        entry(BEYOND, format!("beyond: {} pixels", pair.differing()))?;
+        entry(NO_VERDICT, format!("without a verdict: {}", pair.unbounded))?;
+        entry(AGREES, format!("agree: {}", pair.agree))?;
+        for (cause, count, rgb) in maps::legend(pair) {
+            entry(rgb, format!("{}: {count}", html(cause.label())))?;
+        }
+        page.push_str("</ul>\n<table><tbody>\n");
+        let share = |x: f64| if x > 0.0 { format!("{:.1} %", 100.0 * x) } else { "—".to_owned() };
+        let of_agreeing = |text: String| if pair.agree > 0 { text } else { "—".to_owned() };
+        let c = pair.coverage;
+        let mut rows = vec![
+            ("pixels that both show, one alone, neither", format!("{}, {}, {}", c.full, c.partial, c.none)),
+            (
+                "the farthest off its ray, and allowed there",
+                of_agreeing(format!("{} px, {} px", short(pair.max_px), short(pair.bound_px))),
+            ),
+            (
+                "share used: position, normal, curvatures",
+                [pair.position_share, pair.normal_share, pair.curvature_share].map(share).join(", "),
+            ),
+        ];
+        rows.extend(
+            pair.reasons().into_iter().map(|(reason, count)| (reason.label(), format!("{count} without a verdict"))),
+        );
+        for (what, value) in rows {
+            writeln!(page, "<tr><th scope=\"row\">{what}</th><td>{value}</td></tr>")?;
+        }
+        page.push_str("</tbody></table>\n");
+        worst(page, pair)?;
+        page.push_str("</section>\n");
+        Ok(())
+    }
+}
+
+fn worst(page: &mut String, pair: &PairReport) -> Result<()> {
+    if pair.worst.is_empty() {
+        return Ok(());
+    }
+    page.push_str("<h3>The worst pixels</h3><div class=\"scroll\"><table><thead><tr><th>pixel</th><th>cause</th>");
+    page.push_str("<th>times over</th><th>what</th></tr></thead><tbody>\n");
+    for pixel in &pair.worst {
+        let sample = pixel.sample.map_or(String::new(), |sample| format!(" sample {sample}"));
+        let times = if pixel.excess.is_finite() { format!("{:.3}", pixel.excess) } else { "∞".to_owned() };
+        let (x, y, cause, detail) = (pixel.x, pixel.y, pixel.cause.label(), html(&pixel.detail));
+        writeln!(
+            page,
+            "<tr><td>{x}, {y}{sample}</td><td>{cause}</td><td class=\"number\">{times}</td><td>{detail}</td></tr>"
+        )?;
+    }
+    page.push_str("</tbody></table></div>\n");
+    Ok(())
+}
+
+/// The command line that this is the answer to, as a shell takes it.
+fn command() -> String {
+    let is_plain =
+        |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || "-_./:,=+".contains(c));
+    let quoted = |text: String| if is_plain(&text) { text } else { format!("'{}'", text.replace('\'', "'\\''")) };
+    let arguments = std::env::args_os().skip(1).map(|argument| quoted(argument.to_string_lossy().into_owned()));
+    std::iter::once("isophote".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+fn figure(page: &mut String, caption: &str, uri: &str) -> Result<()> {
+    Ok(writeln!(page, "<figure><figcaption>{caption}</figcaption><img src=\"{uri}\" alt=\"{caption}\"></figure>")?)
+}
+
+fn colour([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}

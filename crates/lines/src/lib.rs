@@ -1,0 +1,26 @@
+//! Lines on a model's surfaces as curves: isophotes, reflection and highlight lines, silhouettes, sections, borders and lines of
+//! equal parameter, as far as they are seen in a picture.
+//!
+//! A [`Family`] says which lines. `equation` makes each the zeros of a polynomial on a Bézier patch, and `trace` finds them as chords
+//! that are proven to be within [`TOLERANCE`] of their line in the picture, none left out; `border` does so for where faces end.
+//! Chords are cut where a face has no material, `join`ed, and cut again where something hides them (`cut`): both are asked of an
+//! [`Eye`]. [`svg()`] writes what the picture shows, [`dxf()`] the same lines in space.
+
+mod bernstein;
+mod border;
+mod cut;
+mod dxf;
+mod equation;
+mod family;
+mod frame;
+mod join;
+mod line;
+mod place;
+mod svg;
+mod trace;
+
+pub use dxf::dxf;
+pub use family::Family;
+pub use line::{Drawing, Line, TOLERANCE, Unfinished, draw};
+pub use place::{Eye, Place};
+pub use svg::svg;
