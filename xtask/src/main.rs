@@ -16,7 +16,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     #[command(flatten)]
-    Isophote(commands::Command),
+    Isophote(Box<commands::Command>),
     Kanai(kanai::KanaiArgs),
     Geiger(geiger::GeigerArgs),
     Mutants(mutants::MutantsArgs),
