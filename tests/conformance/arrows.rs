@@ -16,7 +16,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("gbuffer", &["files", "nurbs", "scene"]),
     ("pipeline", &["lanes", "nurbs", "scene", "gbuffer"]),
     ("raster", &["nurbs", "scene", "gbuffer", "pipeline"]),
-    ("gpu", &["nurbs", "scene", "gbuffer", "pipeline"]),
+    ("gpu", &["files", "nurbs", "scene", "gbuffer", "pipeline"]),
     ("raycast", &["nurbs", "scene", "gbuffer"]),
     ("compare", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("continuity", &["nurbs", "scene"]),

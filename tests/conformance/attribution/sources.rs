@@ -155,8 +155,8 @@ const FAULTS: &[Fault] = &[
     Fault {
         name: "fragments of some faces thrown away",
         replace: &[(
-            "f = fragment(in.face, given);",
-            "if (in.face % 3u == 0u) { discard; } f = fragment(in.face, given);",
+            "f = fragment(in.face, place);",
+            "if (in.face % 3u == 0u) { discard; } f = fragment(in.face, place);",
         )],
         scenes: &[Scene::Rational, Scene::Wave],
         cause: Cause::Coverage,
