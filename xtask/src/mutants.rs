@@ -109,9 +109,10 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
     }
     let reviewed = record::reviewed()?;
     let way = args.way()?;
-    let Generated { mutants, stillborn } = generate(way);
-    let unknown = report::unknown(&reviewed, &mutants, way);
-    let mut chosen = if args.at.is_empty() { mutants.clone() } else { at_places(&mutants, &args.at)? };
+    let is_wanted = |file: &str| args.at.is_empty() || args.at.iter().any(|place| halves(place).0 == file);
+    let Generated { mutants, stillborn } = generate(way, &is_wanted);
+    let unknown = report::unknown(&reviewed, &mutants, way, &is_wanted);
+    let mut chosen = if args.at.is_empty() { mutants.clone() } else { at_places(&mutants, &args.at, way)? };
     if let Some(count) = args.sample {
         let is_reviewed = |m: &Mutant| reviewed.iter().any(|group| group.mutants.contains(&m.key));
         chosen.retain(|m| !is_reviewed(m));
@@ -183,22 +184,23 @@ fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
     Ok(all)
 }
 
+/// FILE or FILE:LINE, in two.
+fn halves(place: &str) -> (&str, Option<&str>) {
+    place.split_once(':').map_or((place, None), |(file, line)| (file, Some(line)))
+}
+
 /// Those at any FILE or FILE:LINE.
-fn at_places(mutants: &[Mutant], places: &[String]) -> Result<Vec<Mutant>> {
+fn at_places(mutants: &[Mutant], places: &[String], way: Way) -> Result<Vec<Mutant>> {
     let mut chosen = vec![];
     for place in places {
-        let (file, line) = match place.split_once(':') {
-            Some((file, line)) => {
-                (file, Some(line.parse::<usize>().with_context(|| format!("--at {place:?}: {line:?} is no line"))?))
-            }
-            None => (place.as_str(), None),
-        };
+        let (file, line) = halves(place);
+        let number = |line: &str| line.parse::<usize>().with_context(|| format!("--at {place:?}: {line:?} is no line"));
+        let line = line.map(number).transpose()?;
         let is_there = |m: &&Mutant| m.key.file == file && line.is_none_or(|line| line == m.line);
         let before = chosen.len();
         chosen.extend(mutants.iter().filter(is_there).cloned());
         if chosen.len() == before {
-            let mut files: Vec<&str> = mutants.iter().map(|m| m.key.file.as_str()).collect();
-            files.dedup();
+            let files: Vec<&str> = mutant::files(way).collect();
             bail!("--at {place:?}: no mutant is there; the files of this technique are {}", files.join(", "));
         }
     }

@@ -57,10 +57,11 @@ pub struct Report {
     pub mutants: Vec<Tried>,
 }
 
-/// Entries of the list that match no mutant, those apart of parts that are tried another way.
-pub fn unknown(reviewed: &[Group], mutants: &[Mutant], way: Way) -> Vec<Key> {
+/// Entries of the list that match no mutant, those apart of parts that are tried another way or whose files are not wanted.
+pub fn unknown(reviewed: &[Group], mutants: &[Mutant], way: Way, is_wanted: &dyn Fn(&str) -> bool) -> Vec<Key> {
     let is_of_another = |key: &Key| key.part().is_some_and(|part| tried_by(part) != way);
-    let keys = reviewed.iter().flat_map(|group| &group.mutants).filter(|key| !is_of_another(key));
+    let keys = reviewed.iter().flat_map(|group| &group.mutants);
+    let keys = keys.filter(|key| is_wanted(&key.file) && !is_of_another(key));
     keys.filter(|key| !mutants.iter().any(|m| m.key == **key)).cloned().collect()
 }
 

@@ -13,9 +13,8 @@ const NAMED: usize = 3;
 
 /// What the table's columns are, for those who see it for the first time.
 const HEADINGS: &str = concat!(
-    "  agree: of the scene's cases; open: pixels without a verdict\n",
-    "  caught: of pictures made wrong; S / n / k: the greatest share of what position,\n",
-    "  normal and curvatures are allowed",
+    "  open: pixels without a verdict; caught: of pictures made wrong; budget: the greatest\n",
+    "  share of what position, normal and curvatures are allowed; verdict: of so many cases",
 );
 
 /// A scene's outcomes for one subject, added up.
@@ -31,7 +30,8 @@ struct Row<'a> {
     undecided: usize,
     /// Pictures made wrong: those that differ, and all.
     wrong: [usize; 2],
-    shares: [f64; 3],
+    /// The greatest of position, normal and curvatures.
+    share: f64,
 }
 
 impl Row<'_> {
@@ -48,14 +48,9 @@ impl Row<'_> {
             self.covered += pair.covered;
             self.differing += pair.differing;
             self.unbounded += pair.unbounded;
-            for (share, budget) in self.shares.iter_mut().zip([&pair.position, &pair.normal, &pair.curvature]) {
-                *share = share.max(budget.max);
-            }
+            let budgets = [&pair.position, &pair.normal, &pair.curvature];
+            self.share = budgets.iter().map(|budget| budget.max).fold(self.share, f64::max);
         }
-    }
-
-    fn worst_share(&self) -> f64 {
-        self.shares.iter().copied().fold(0.0, f64::max)
     }
 }
 
@@ -116,14 +111,18 @@ fn rows<'a>(report: &'a Report, subject: &'a Subject) -> Vec<Row<'a>> {
     }
     rows.sort_by(|a, b| {
         let failed = |row: &Row| row.cases - row.agree;
-        failed(b).cmp(&failed(a)).then(b.worst_share().total_cmp(&a.worst_share()))
+        failed(b).cmp(&failed(a)).then(b.share.total_cmp(&a.share))
     });
     rows
 }
 
 fn table(rows: &[Row]) -> Table {
     let mut table = terminal::narrow_table();
-    table.set_header(["scene", "agree", "pixels", "differ", "open", "caught", "S / n / k, %", "verdict"]);
+    table.set_header(["scene", "pixels", "differ", "open", "caught", "budget", "verdict"]);
+    // A long name is cut between its words.
+    if let Some(scenes) = table.column_mut(0) {
+        scenes.set_delimiter('-');
+    }
     let mut total = Row { scene: "all", ..Row::default() };
     for row in rows {
         table.add_row(cells(row));
@@ -135,12 +134,10 @@ fn table(rows: &[Row]) -> Table {
         total.undecided += row.undecided;
         total.unbounded += row.unbounded;
         total.wrong = [0, 1].map(|k| total.wrong[k] + row.wrong[k]);
-        for (sum, share) in total.shares.iter_mut().zip(row.shares) {
-            *sum = sum.max(share);
-        }
+        total.share = total.share.max(row.share);
     }
     table.add_row(cells(&total));
-    for column in 1..7 {
+    for column in 1..6 {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);
         }
@@ -156,16 +153,14 @@ fn cells(row: &Row) -> Vec<Cell> {
     };
     let [caught, made] = row.wrong;
     let caught = if made == 0 { "—".to_owned() } else { format!("{caught}/{made}") };
-    let [s, n, k] = row.shares.map(|share| format!("{:.1}", 100.0 * share));
     vec![
         Cell::new(escaped(row.scene)),
-        Cell::new(format!("{}/{}", row.agree, row.cases)),
         Cell::new(row.covered),
         Cell::new(row.differing),
         Cell::new(row.undecided + row.unbounded),
         Cell::new(caught),
-        Cell::new(format!("{s} / {n} / {k}")),
-        Cell::new(word).fg(colour).add_attribute(Attribute::Bold),
+        Cell::new(format!("{:.1} %", 100.0 * row.share)),
+        Cell::new(format!("{word} {}/{}", row.agree, row.cases)).fg(colour).add_attribute(Attribute::Bold),
     ]
 }
 
