@@ -223,7 +223,8 @@ struct Offer {
     is_open: bool,
     pixel: u32,
     order: u32,
-    // What it shows, where it is to be asked.
+    // Whether its face must be asked if it is there, and then what it shows.
+    is_asked: bool,
     in: Sample,
 }
 
@@ -234,7 +235,8 @@ fn offer_of(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) -> Off
         made.order = order_of(depth_at(t, values.rounded));
         made.pixel = u32(pixel.y) * call.width + u32(pixel.x);
         made.is_open = made.order != 0u && is_wanted(made.pixel, made.order);
-        if (made.is_open && is_asked(triangle)) {
+        made.is_asked = made.is_open && is_asked(triangle);
+        if (made.is_asked) {
             made.in = sample_of(triangle, share * shares_at(t, values.rounded), pixel);
         }
     }
@@ -253,7 +255,7 @@ fn cover(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) {
     if (!made.is_open) {
         return;
     }
-    if (!is_asked(triangle)) {
+    if (!made.is_asked) {
         offer(made.pixel, made.order, triangle);
         return;
     }

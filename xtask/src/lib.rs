@@ -7,4 +7,5 @@ pub mod geiger;
 pub mod kanai;
 pub mod legal;
 pub mod mutants;
+pub mod random;
 pub mod variants;

@@ -13,6 +13,7 @@ pub mod trial;
 pub mod way;
 pub mod worker;
 
+use crate::random::Random;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use isophote::format::Format;
@@ -123,7 +124,7 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let began = Instant::now();
-    let (count, tried) = (chosen.len(), tried(chosen, args)?);
+    let (count, tried) = (chosen.len(), tried(chosen, args, way)?);
     let untried = count - tried.len();
     let report = Report::new([mutants.len(), stillborn.len(), untried], tried, &reviewed, unknown, began.elapsed());
     if let Some(folder) = &args.out {
@@ -138,7 +139,7 @@ pub fn run(args: &MutantsArgs) -> Result<ExitCode> {
 }
 
 /// What becomes of each that there is time for.
-fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
+fn tried(mutants: Vec<Mutant>, args: &MutantsArgs, way: Way) -> Result<Vec<Tried>> {
     let journal = args.journal.as_deref().map(Journal::open).transpose()?.unwrap_or_default();
     let known = |mutant: &Mutant| Some(Tried { outcome: journal.known(&mutant.key)?.clone(), mutant: mutant.clone() });
     let mut all: Vec<Tried> = mutants.iter().filter_map(known).collect();
@@ -150,7 +151,7 @@ fn tried(mutants: Vec<Mutant>, args: &MutantsArgs) -> Result<Vec<Tried>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = (cores / usize::from(args.jobs)).max(1);
     let setting = Setting { adapter: args.adapter.clone(), scenes: args.scene.clone(), jobs: args.jobs, threads };
-    let first = Worker::of_sound_sources(setting, args.way()?)?;
+    let first = Worker::of_sound_sources(setting, way)?;
     let others: Vec<Worker> = (1..args.jobs).map(|_| first.another()).collect();
     let bar = terminal::progress("mutants", left.len());
     let next = AtomicUsize::new(0);
@@ -207,17 +208,10 @@ fn at_places(mutants: &[Mutant], places: &[String], way: Way) -> Result<Vec<Muta
     Ok(chosen)
 }
 
-/// `count` of them by chance (SplitMix64).
+/// `count` of them by chance.
 fn sample(mutants: Vec<Mutant>, count: usize, seed: u64) -> Vec<Mutant> {
-    let mut state = seed;
-    let mut random = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    let mut drawn: Vec<(u64, usize)> = (0..mutants.len()).map(|index| (random(), index)).collect();
+    let mut random = Random::new(seed);
+    let mut drawn: Vec<(u64, usize)> = (0..mutants.len()).map(|index| (random.bits(), index)).collect();
     drawn.sort_unstable();
     drawn.truncate(count);
     drawn.into_iter().map(|(_, index)| mutants[index].clone()).collect()

@@ -3,6 +3,7 @@
 //! What is read is not trusted: only regular files up to a limit, since a pipe or a device may never end. What is written
 //! replaces a file whole or not at all: a full disk, an error or a kill in the middle leaves the old file as it was.
 
+use std::fmt;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter, Read};
 use std::path::{Path, PathBuf};
@@ -191,12 +192,49 @@ pub fn lock(folder: &Path) -> Result<Lock, LockError> {
     }
 }
 
-/// The 64-bit FNV-1a hash of bytes, 16 hexadecimal digits: it tells a damaged file, and is no proof against a forged one.
+/// A 64-bit FNV-1a hash (Fowler, Noll & Vo) of what is added to it, 16 hexadecimal digits: it tells a damaged file, and is no
+/// proof against a forged one.
+#[derive(Debug, Clone, Copy)]
+pub struct Hash(u64);
+
+impl Hash {
+    /// Of nothing.
+    pub fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    /// Adds bytes.
+    pub fn add(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
+
+impl Default for Hash {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl fmt::Write for Hash {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.add(text.as_bytes());
+        Ok(())
+    }
+}
+
+impl fmt::Display for Hash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:016x}", self.0)
+    }
+}
+
+/// The [`Hash`] of bytes.
 pub fn hash(bytes: &[u8]) -> String {
-    let hash = bytes
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325u64, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
-    format!("{hash:016x}")
+    let mut hash = Hash::new();
+    hash.add(bytes);
+    hash.to_string()
 }
 
 /// An empty folder of its own among the system's temporary ones, removed with all that is in it when this is dropped.

@@ -1,31 +1,20 @@
 //! A line for each picture: `SCENE RENDERER HASH`.
 
 use crate::golden;
+use files::Hash;
 use gbuffer::GBuffer;
-use std::fmt::{self, Write};
-
-/// FNV-1a of 64 bits (Fowler, Noll & Vo), of text that is written to it.
-struct Fnv(u64);
-
-impl Write for Fnv {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        for byte in text.bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-        Ok(())
-    }
-}
+use std::fmt::Write;
 
 /// The hash of all pixels. `Debug` prints each number so that it reads back to the same bits, and tells −0 from 0.
-fn hash(buffer: &GBuffer) -> u64 {
-    let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
+fn hash(buffer: &GBuffer) -> Hash {
+    let mut hash = Hash::new();
     for pixel in buffer.pixels() {
         write!(hash, "{pixel:?}").expect("hashing does not fail");
     }
     let (width, height) = (buffer.viewport().width(), buffer.viewport().height());
     let undecided = (0..width * height).filter(|i| buffer.is_undecided(i % width, i / width));
     write!(hash, "{:?}", undecided.collect::<Vec<_>>()).expect("hashing does not fail");
-    hash.0
+    hash
 }
 
 /// The lines of this processor, a scene at a time: techniques `fragment` and `exact` by the rasterizer, and the ray caster.
@@ -35,7 +24,7 @@ pub fn lines() -> impl Iterator<Item = String> {
         let raster = [&techniques::fragment::Fragment as &dyn techniques::Technique, &techniques::exact::Exact]
             .map(|technique| (technique.name(), golden.raster(&model, technique)));
         let pictures = raster.into_iter().chain([("raycast", golden.raycast(&model))]);
-        pictures.map(move |(by, buffer)| format!("{} {by} {:016x}", golden.name, hash(&buffer)))
+        pictures.map(move |(by, buffer)| format!("{} {by} {}", golden.name, hash(&buffer)))
     })
 }
 

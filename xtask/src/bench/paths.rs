@@ -3,6 +3,7 @@
 use super::agree::disagreement;
 use super::sample::Sample;
 use anyhow::{Result, bail};
+use clap::ValueEnum;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use isophote::cost::{self, Patience};
 use isophote::format::Format;
@@ -22,8 +23,7 @@ const DRAWN: [(&str, [usize; 2]); 6] = [
 ];
 
 /// The paths, the first of which the others are compared with.
-const PATHS: [(Path, &str); 3] =
-    [(Path::Fragment, "fragment"), (Path::Compute, "compute"), (Path::Compute32, "compute-32")];
+const PATHS: [Path; 3] = [Path::Fragment, Path::Compute, Path::Compute32];
 
 /// Seconds that the frames of one line may take in a round.
 const SECONDS: f64 = 0.5;
@@ -34,7 +34,7 @@ struct Line {
     model: &'static str,
     size: [usize; 2],
     triangles: usize,
-    path: &'static str,
+    path: String,
     /// Median of the rounds, each the mean of its frames.
     frame_ms: f64,
     /// Median of the rounds' medians, by the device's clock.
@@ -59,6 +59,11 @@ struct Report {
     lines: Vec<Line>,
 }
 
+/// What the command line calls a path.
+fn name_of(path: Path) -> String {
+    path.to_possible_value().expect("none is left out").get_name().to_owned()
+}
+
 /// Runs the suite.
 ///
 /// # Errors
@@ -68,19 +73,19 @@ pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format:
     let bar = terminal::progress("models", DRAWN.len());
     for (name, size) in DRAWN {
         let model = models::builtin(name).expect("built in");
-        for (path, _) in PATHS {
+        for path in PATHS {
             if let Some(text) = disagreement(&model, Some(device), Plan { path, ..plan })? {
-                bail!("--path {path:?}: {text}");
+                bail!("--path {}: {text}", name_of(path));
             }
         }
         let viewport = Viewport::new(size[0], size[1])?;
         let camera = Camera::framing(&model, viewport);
-        let mut stage = Stage::new(&model, camera, viewport, Plan { path: PATHS[1].0, ..plan })?;
+        let mut stage = Stage::new(&model, camera, viewport, Plan { path: PATHS[1], ..plan })?;
         let sample = || Sample::new(name, "ms", None);
         let mut times = PATHS.map(|_| (sample(), sample(), vec![]));
         let patience = Patience { frames: frames.max(64), seconds: SECONDS };
         for _ in 0..rounds {
-            for ((path, _), (frame, gpu, parts_ms)) in PATHS.into_iter().zip(&mut times) {
+            for (path, (frame, gpu, parts_ms)) in PATHS.into_iter().zip(&mut times) {
                 stage.plan.path = path;
                 let cost = cost::on_gpu(&stage, device, patience)?;
                 frame.values.push(cost.frame_ms);
@@ -90,7 +95,7 @@ pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format:
         }
         let triangles = stage.prepared.triangles();
         let mut measured: Vec<Line> = vec![];
-        for ((_, path), (frame, gpu, parts_ms)) in PATHS.into_iter().zip(times) {
+        for (path, (frame, gpu, parts_ms)) in PATHS.into_iter().zip(times) {
             let frame = frame.figure();
             let gpu = (!gpu.values.is_empty()).then(|| gpu.figure());
             let timed = gpu.as_ref().unwrap_or(&frame);
@@ -98,7 +103,7 @@ pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format:
                 model: name,
                 size,
                 triangles,
-                path,
+                path: name_of(path),
                 frame_ms: frame.median,
                 gpu_ms: gpu.as_ref().map(|gpu| gpu.median),
                 spread_ms: [timed.least, timed.greatest],
@@ -150,7 +155,7 @@ fn print(report: &Report) -> Result<()> {
             line.model.to_owned(),
             format!("{}x{}", line.size[0], line.size[1]),
             line.triangles.to_string(),
-            line.path.to_owned(),
+            line.path.clone(),
             format!("{:.3}", line.frame_ms),
             line.gpu_ms.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.3}")),
             format!("{:.3} … {:.3}", line.spread_ms[0], line.spread_ms[1]),

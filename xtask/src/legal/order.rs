@@ -30,7 +30,7 @@ pub fn sum(arithmetic: &mut Arithmetic, frame: &Frame, root: Handle<Expression>,
     if arithmetic.random.coin() {
         open(frame.prepared, left, 1.0, &mut terms, &mut count, 1);
         open(frame.prepared, right, sign, &mut terms, &mut count, 0);
-        shuffle(arithmetic, &mut terms[..count]);
+        arithmetic.random.shuffle(&mut terms[..count]);
     } else {
         terms[..2].copy_from_slice(&[(1.0, left), (sign, right)]);
         count = 2;
@@ -99,7 +99,7 @@ pub fn product(arithmetic: &mut Arithmetic, frame: &Frame, root: Handle<Expressi
     if arithmetic.is_free() {
         factors_of(frame.prepared, left, &mut factors, &mut count, 1);
         factors_of(frame.prepared, right, &mut factors, &mut count, 0);
-        shuffle(arithmetic, &mut factors[..count]);
+        arithmetic.random.shuffle(&mut factors[..count]);
     } else {
         factors[..2].copy_from_slice(&[left, right]);
         count = 2;
@@ -137,7 +137,7 @@ fn factors_of(
 pub fn products(arithmetic: &mut Arithmetic, terms: &[[f32; 2]]) -> f32 {
     let mut order = [0, 1, 2, 3];
     if arithmetic.is_free() {
-        shuffle(arithmetic, &mut order[..terms.len()]);
+        arithmetic.random.shuffle(&mut order[..terms.len()]);
     }
     let [a, b] = terms[order[0]];
     let mut sum = arithmetic.multiply(a, b);
@@ -151,11 +151,4 @@ pub fn products(arithmetic: &mut Arithmetic, terms: &[[f32; 2]]) -> f32 {
         };
     }
     sum
-}
-
-/// Fisher and Yates.
-fn shuffle<T>(arithmetic: &mut Arithmetic, items: &mut [T]) {
-    for k in (1..items.len()).rev() {
-        items.swap(k, arithmetic.random.below(k + 1));
-    }
 }

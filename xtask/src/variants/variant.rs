@@ -2,9 +2,9 @@
 
 use super::rewriting::{expressions, statements};
 use super::text::{Edit, Text, edited};
-use crate::legal::arithmetic::Random;
 use crate::mutants::mutant::is_legal;
 use crate::mutants::token::Kind;
+use crate::random::Random;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Of the proposals about a program, how many are taken up: one in so many.
@@ -29,7 +29,7 @@ pub fn variant(program: &str, seed: u64, called: &[&str]) -> String {
 fn rewritten(program: &str, propose: fn(&Text) -> Vec<Edit>, random: &mut Random) -> String {
     let mut chosen: Vec<Edit> =
         propose(&Text::new(program)).into_iter().filter(|_| random.below(ONE_IN) == 0).collect();
-    shuffle(&mut chosen, random);
+    random.shuffle(&mut chosen);
     let all = edited(program, &chosen);
     if is_legal(&all) {
         return all;
@@ -108,13 +108,6 @@ fn reordered(program: &str, random: &mut Random) -> String {
     let is_directive =
         |tokens: &std::ops::Range<usize>| ["enable", "requires", "diagnostic"].contains(&text.word(tokens.start));
     let (front, mut rest): (Vec<_>, Vec<_>) = declarations.into_iter().partition(is_directive);
-    shuffle(&mut rest, random);
+    random.shuffle(&mut rest);
     front.into_iter().chain(rest).map(|tokens| text.between(tokens).to_owned() + "\n").collect()
-}
-
-/// Fisher and Yates.
-fn shuffle<T>(items: &mut [T], random: &mut Random) {
-    for k in (1..items.len()).rev() {
-        items.swap(k, random.below(k + 1));
-    }
 }

@@ -204,11 +204,10 @@ impl Corpus {
         let side = suite.side();
         let viewport = Viewport::new(side, side).expect("a legal size");
         let mut corpus = Self { suite, scenes: vec![], cases: vec![], hash: String::new() };
-        let mut hash = 0xcbf2_9ce4_8422_2325u64;
+        let mut hash = files::Hash::new();
         let mut add = |text: &str| {
-            for byte in text.bytes().chain([0]) {
-                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-            }
+            hash.add(text.as_bytes());
+            hash.add(&[0]);
         };
         for scene in scenes {
             let model = scene.open();
@@ -234,7 +233,7 @@ impl Corpus {
                 }
             }
         }
-        corpus.hash = format!("{hash:016x}");
+        corpus.hash = hash.to_string();
         corpus
     }
 }
