@@ -230,7 +230,7 @@ impl fmt::Display for Hash {
     }
 }
 
-/// The [`Hash`] of bytes.
+/// The [`Hash`](struct@Hash) of bytes.
 pub fn hash(bytes: &[u8]) -> String {
     let mut hash = Hash::new();
     hash.add(bytes);
