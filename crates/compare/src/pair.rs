@@ -10,6 +10,7 @@ use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 use pipeline::sight::NEAR_PX;
 use std::f64::consts::SQRT_2;
+use std::iter::once;
 
 /// Directions in which a sampler is asked around a pixel.
 const DIRECTIONS: usize = 16;
@@ -285,24 +286,30 @@ impl Pair<'_, '_> {
         // Visibility.
         let hides = |r: &&Hit| r.t < candidate.t - slack - 2.0 * self.model_units(r);
         let Some(occluder) = reference.filter(hides) else { return with_distance() };
-        let behind = |hit: Option<Hit>| hit.is_none_or(|q| q.t >= candidate.t - slack);
-        let own = picture.filter(|_| self.exact).is_some_and(|p| behind(self.sampler.first(p.x, p.y)));
-        let bound = bound_px.max(self.bound_at(occluder).across);
+        let behind = |hit: &Hit| hit.t >= candidate.t - slack;
+        let own =
+            picture.filter(|_| self.exact).is_some_and(|p| self.sampler.first(p.x, p.y).as_ref().is_none_or(behind));
         // Beyond the edge of its triangle a point may fall behind the next one of its face by as much as both are off.
         let behind_own_face = || {
             let chords = 2.0 * self.edge_chord(candidate);
             !self.exact && occluder.face == candidate.face && candidate.t - occluder.t <= slack + chords
         };
-        if own
-            || self.near_border(occluder, center, bound)
-            || self.passes_by(occluder, center, bound, &behind)
-            || behind_own_face()
-        {
+        if own || behind_own_face() {
             return with_distance();
         }
+        // Of several that hide it each ends nearby, though there may be no place nearby where all of them have.
+        let ends_nearby = |hit: &Hit| {
+            let bound = bound_px.max(self.bound_at(hit).across);
+            let is_past = |layers: &[Hit]| layers.iter().all(|q| q.face != hit.face || behind(q));
+            self.near_border(hit, center, bound) || self.passes_by(hit, center, bound, &is_past)
+        };
+        let hiding = self.sampler.layers(center.x, center.y).into_iter().filter(|q| hides(&q));
+        let Some(occluder) = once(*occluder).chain(hiding).find(|hit| !ends_nearby(hit)) else {
+            return with_distance();
+        };
         let detail =
             format!("shown at t = {:.6}, but face {} at t = {:.6} hides it", candidate.t, occluder.face.0, occluder.t);
-        Err(Difference::new(self.unseen(occluder, Cause::Depth), (candidate.t - occluder.t) / slack, detail).into())
+        Err(Difference::new(self.unseen(&occluder, Cause::Depth), (candidate.t - occluder.t) / slack, detail).into())
     }
 
     /// A pixel that only the reference covers.
@@ -332,14 +339,21 @@ impl Pair<'_, '_> {
 
     /// Whether a pixel where one shows a hit, given as the reference, and the other nothing, is beside an edge.
     fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
-        let bound = self.bound_at(reference).across;
         // Two rasterizers may each leave a crack between faces, whose corners are placed in frames of their own.
-        let is_edge = |q: Option<Hit>| q.is_none_or(|q| !self.exact && q.face != reference.face);
-        if self.near_border(reference, center, bound) || self.passes_by(reference, center, bound, &is_edge) {
-            return Ok(());
-        }
+        let ends_nearby = |hit: &Hit| {
+            let bound = self.bound_at(hit).across;
+            let is_past = |layers: &[Hit]| match layers.first() {
+                Some(first) if !self.exact => first.face != hit.face,
+                _ => layers.iter().all(|q| q.face != hit.face),
+            };
+            self.near_border(hit, center, bound) || self.passes_by(hit, center, bound, &is_past)
+        };
+        // Where rays go through several faces, each of them is missing.
+        let layers = if self.exact { self.sampler.layers(center.x, center.y) } else { vec![] };
+        let Some(reference) = once(*reference).chain(layers).find(|hit| !ends_nearby(hit)) else { return Ok(()) };
+        let bound = self.bound_at(&reference).across;
         let detail = format!("face {} is not shown, and no edge is within {bound:.4} px", reference.face.0);
-        Err(Difference::new(self.unseen(reference, Cause::Coverage), f64::INFINITY, detail))
+        Err(Difference::new(self.unseen(&reference, Cause::Coverage), f64::INFINITY, detail))
     }
 
     /// S at the candidate's (u, v) is not on the pixel's ray: are u and v exchanged, or was interpolation wrong?
@@ -454,16 +468,17 @@ impl Pair<'_, '_> {
                 || self.around(center, bound_px, reference.or(Some(candidate))).any(is_other))
     }
 
-    /// Whether the reference sees, at a position within the bound, past the point of `hit`: something that `is_past` it.
+    /// Whether the reference draws, at a position within the bound, nothing of `hit`: layers of which `is_past` holds.
     ///
     /// Where loops bound the face, and it is another one that is seen there, its surface must end before that position, in a
     /// fold or at the domain's border, which seen edge-on a chord may fall short of: a trim edge inside is no silhouette.
-    fn passes_by(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(Option<Hit>) -> bool) -> bool {
+    fn passes_by(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(&[Hit]) -> bool) -> bool {
         let is_bounded = self.setting.model.region(hit.face).is_some();
         self.places(center, bound, Some(hit)).any(|p| {
-            let q = self.sampler.first(p.x, p.y);
-            let is_cut = || is_bounded && q.is_none_or(|q| q.face != hit.face) && self.setting.goes_on_at(hit, p);
-            is_past(q) && !is_cut()
+            let layers = self.sampler.layers(p.x, p.y);
+            let is_other = || layers.first().is_none_or(|q| q.face != hit.face);
+            let is_cut = || is_bounded && is_other() && self.setting.goes_on_at(hit, p);
+            is_past(&layers) && !is_cut()
         })
     }
 

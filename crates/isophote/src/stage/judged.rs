@@ -23,6 +23,10 @@ impl Sampler for Rays<'_> {
     fn first(&self, x: f64, y: f64) -> Option<Hit> {
         self.caster.first(&self.camera.ray(self.viewport, x, y)).hit
     }
+
+    fn layers(&self, x: f64, y: f64) -> Vec<Hit> {
+        self.caster.all(&self.camera.ray(self.viewport, x, y)).hits
+    }
 }
 
 /// The CPU rasterizer, asked at any position.
