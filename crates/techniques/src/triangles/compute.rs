@@ -20,6 +20,7 @@ const ENTRY: Part = Part { file: "raster/entry.wgsl", text: include_str!("../../
 
 /// What they use.
 const CLIP: Part = Part { file: "raster/clip.wgsl", text: include_str!("../../../../shaders/raster/clip.wgsl") };
+const AREA: Part = Part { file: "raster/area.wgsl", text: include_str!("../../../../shaders/raster/area.wgsl") };
 const SETUP: Part = Part { file: "raster/setup.wgsl", text: include_str!("../../../../shaders/raster/setup.wgsl") };
 const STRICT: Part = Part { file: "raster/strict.wgsl", text: include_str!("../../../../shaders/raster/strict.wgsl") };
 
@@ -30,10 +31,10 @@ const NEAREST_32: Part =
     Part { file: "raster/nearest.wgsl", text: include_str!("../../../../shaders/raster/nearest32.wgsl") };
 
 /// The parts of a program by atomics of 64 bits.
-const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, STRICT, NEAREST_64, SAMPLE, resolve::PART];
+const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, AREA, STRICT, NEAREST_64, SAMPLE, resolve::PART];
 
 /// The same by atomics of 32 bits.
-const PARTS_32: &[Part] = &[ENTRY, CLIP, SETUP, STRICT, NEAREST_32, SAMPLE, resolve::PART];
+const PARTS_32: &[Part] = &[ENTRY, CLIP, SETUP, AREA, STRICT, NEAREST_32, SAMPLE, resolve::PART];
 
 /// Threads of a workgroup in `shaders/raster/entry.wgsl`.
 const WORKGROUP: u32 = 64;
@@ -107,6 +108,11 @@ impl Kernel {
         }
     }
 
+    /// Whether it answers questions, of which scenes without trims have none.
+    fn is_answer(self) -> bool {
+        matches!(self, Kernel::Answer { .. } | Kernel::AnswerRest { .. })
+    }
+
     /// Those of a round, in the order in which a call takes them.
     fn that_cover(round: usize) -> [Kernel; 5] {
         use Kernel::{Answer, AnswerRest, CoverCut, CoverLarge, CoverSmall};
@@ -128,6 +134,7 @@ fn rounds(atomics: Atomics) -> usize {
 pub struct ByCompute {
     prepared: Arc<dyn Prepared>,
     atomics: Atomics,
+    is_strict: bool,
 }
 
 impl ByCompute {
@@ -142,7 +149,13 @@ impl ByCompute {
     /// What is prepared, drawn by kernels with these atomics; `None` where it has no triangles.
     pub fn new(prepared: Arc<dyn Prepared>, atomics: Atomics) -> Option<Self> {
         prepared.mesh()?;
-        Some(Self { prepared, atomics })
+        Some(Self { prepared, atomics, is_strict: false })
+    }
+
+    /// The same with the CPU rasterizer's bits in all that a G-buffer holds, on every adapter: one program for all of them, in
+    /// IEEE 754's arithmetic.
+    pub fn strict(prepared: Arc<dyn Prepared>) -> Option<Self> {
+        Some(Self { is_strict: true, ..Self::new(prepared, Atomics::Bits32)? })
     }
 
     fn mesh(&self) -> &Mesh {
@@ -157,6 +170,10 @@ impl Drawable for ByCompute {
 
     fn parts(&self) -> &'static [Part] {
         Self::parts_by(self.atomics)
+    }
+
+    fn is_strict(&self) -> bool {
+        self.is_strict
     }
 
     fn stages(&self) -> ShaderStages {
@@ -303,7 +320,8 @@ impl Pass for Kernels {
     }
 
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
-        let covering = (0..rounds(self.atomics)).flat_map(Kernel::that_cover);
+        let is_run = |kernel: &Kernel| self.is_trimmed || !kernel.is_answer();
+        let covering = (0..rounds(self.atomics)).flat_map(Kernel::that_cover).filter(is_run);
         let kernels: Vec<_> = covering.chain([Kernel::PlaceCorners, Kernel::Resolve(output)]).collect();
         for (&program, module) in modules {
             for &kernel in &kernels {
@@ -397,7 +415,7 @@ impl Covered {
                 let call = index + round * self.fed.batches.len();
                 for kernel in Kernel::that_cover(round) {
                     let groups = match kernel {
-                        Kernel::Answer { .. } | Kernel::AnswerRest { .. } if !self.asks => continue,
+                        _ if kernel.is_answer() && !self.asks => continue,
                         Kernel::CoverSmall { .. } => workgroups(count, WORKGROUP),
                         _ => [SHARING, 1],
                     };
