@@ -16,6 +16,12 @@ use std::collections::HashMap;
 /// What the operators are made of.
 const ARITHMETIC: &str = include_str!("../../../shaders/raster/ieee.wgsl");
 
+/// The greatest float as naga writes it, with as few digits as lead back to it: more than it is, which Tint refuses.
+const SHORTEST_GREATEST: &str = "340282350000000000000000000000000000000f";
+
+/// The same in full.
+const GREATEST: &str = "340282346638528859811704183484516925440f";
+
 /// What is asked of an adapter beside integers: the functions in which its own operators on floats stay, each behind a barrier.
 const OWN: [&str; 4] = ["ieee_sum", "ieee_product", "hundred_up", "hundred_down"];
 
@@ -61,7 +67,8 @@ fn rewritten(source: &str) -> Result<String, String> {
         module.entry_points[i].function = function::strict(&old, info.get_entry_point(i), &mut module, &operations)?;
     }
     let info = checked(&module).map_err(|error| format!("{:?}", error.into_inner()))?;
-    naga::back::wgsl::write_string(&module, &info, WriterFlags::empty()).map_err(|error| error.to_string())
+    let written = naga::back::wgsl::write_string(&module, &info, WriterFlags::empty());
+    Ok(written.map_err(|error| error.to_string())?.replace(SHORTEST_GREATEST, GREATEST))
 }
 
 fn checked(module: &Module) -> Result<ModuleInfo, naga::WithSpan<naga::valid::ValidationError>> {
