@@ -1,7 +1,7 @@
 //! Strict programs: no operator on floats is left to an adapter, and what stands in their place has Rust's bits.
 
 use gpu::{Atomics, Device, Operation, Operator};
-use naga::{BinaryOperator, Expression, Function, MathFunction, Module, ScalarKind, TypeInner, UnaryOperator};
+use naga::{Expression, Function, MathFunction, Module, ScalarKind, TypeInner, UnaryOperator};
 use pipeline::wgsl::{self, Variant};
 use pipeline::{Program, TrimMethod};
 use techniques::ByCompute;
@@ -20,12 +20,11 @@ fn left(module: &Module) -> Vec<String> {
     let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(module).expect("it is legal");
     let mut found = vec![];
     let mut look = |name: &str, function: &Function, info: &FunctionInfo| {
-        let is_float = |value| {
+        let is_float = |value: naga::Handle<Expression>| {
             let inner = info[value].ty.inner_with(&module.types);
             inner.scalar_kind() == Some(ScalarKind::Float) && !matches!(inner, TypeInner::Pointer { .. })
         };
         let is_left = |expression: &Expression| match *expression {
-            Expression::Binary { op: BinaryOperator::Modulo, .. } => true,
             Expression::Binary { left, .. } => is_float(left),
             Expression::Unary { op: UnaryOperator::Negate, expr } => is_float(expr),
             Expression::Math { fun, arg, .. } => {

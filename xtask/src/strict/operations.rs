@@ -29,7 +29,7 @@ pub enum Operands {
     Bits,
     /// Finite numbers near each other in size, so that sums cancel.
     Near,
-    /// Numbers whose products and quotients are about the least normal one.
+    /// Numbers whose products or quotients are about the least normal one.
     Tiny,
     /// The first goes through all bits.
     InOrder,
@@ -52,8 +52,11 @@ impl Operands {
                     [near(x, exponent), near(y, (exponent + spread).saturating_sub(30))]
                 }
                 Self::Tiny => {
-                    let exponent = random.below(130) as u32;
-                    [near(x, exponent), near(y, (128 - exponent.min(128)).saturating_sub(spread / 2))]
+                    let exponent = random.below(128) as u32;
+                    let other = if random.coin() { 128 - exponent } else { 126 + exponent };
+                    // Few digits, so that halves occur.
+                    let mut few = |bits: u32| bits & (u32::MAX << random.below(23));
+                    [few(near(x, exponent)), few(near(y, other.saturating_sub(10) + spread / 3))]
                 }
                 Self::InOrder => [index as u32, 0],
                 Self::Mantissas => [(x & 0x7f_ffff) | 0x3f80_0000, (index as u32 & 0x7f_ffff) | 0x3f80_0000],
