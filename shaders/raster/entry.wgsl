@@ -33,6 +33,8 @@ struct Call {
     // Where questions start, and how many there is room for.
     questions: u32,
     room: u32,
+    // Whether it is of the second round, where there are two.
+    is_second: u32,
     nothing: vec4<f32>,
 }
 

@@ -5,13 +5,14 @@
 //! naga reads the program, [`function`] puts calls of the functions of `shaders/raster/ieee.wgsl` in the place of its operators,
 //! and naga writes WGSL again, so that each host gets the same text. A program must have `raster/strict.wgsl` among its parts.
 
+mod calls;
 mod function;
 
 use crate::GpuError;
+use calls::Calls;
+use naga::Module;
 use naga::back::wgsl::WriterFlags;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use naga::{Function, Handle, Module};
-use std::collections::HashMap;
 
 /// What the operators are made of.
 const ARITHMETIC: &str = include_str!("../../../shaders/raster/ieee.wgsl");
@@ -24,22 +25,6 @@ const GREATEST: &str = "340282346638528859811704183484516925440f";
 
 /// What is asked of an adapter beside integers: the functions in which its own operators on floats stay, each behind a barrier.
 const OWN: [&str; 4] = ["ieee_sum", "ieee_product", "hundred_up", "hundred_down"];
-
-/// The name of an operation, as of its function in `shaders/raster/ieee.wgsl`.
-type Operation = &'static str;
-
-/// Operations by their names, in the module that is rewritten.
-struct Operations(HashMap<String, Handle<Function>>);
-
-impl Operations {
-    fn of(module: &Module) -> Self {
-        Self(module.functions.iter().filter_map(|(handle, f)| Some((f.name.clone()?, handle))).collect())
-    }
-
-    fn get(&self, operation: Operation) -> Result<Handle<Function>, String> {
-        self.0.get(operation).copied().ok_or_else(|| format!("a strict program lacks {operation}"))
-    }
-}
 
 /// The same program in IEEE 754's arithmetic.
 ///
@@ -54,17 +39,17 @@ fn rewritten(source: &str) -> Result<String, String> {
     let whole = format!("{ARITHMETIC}{source}");
     let mut module = naga::front::wgsl::parse_str(&whole).map_err(|error| error.emit_to_string(&whole))?;
     let info = checked(&module).map_err(|error| error.emit_to_string(&whole))?;
-    let operations = Operations::of(&module);
+    let calls = Calls::of(&module);
     let handles: Vec<_> = module.functions.iter().map(|(handle, _)| handle).collect();
     for handle in handles {
         let old = module.functions[handle].clone();
         if !old.name.as_deref().is_some_and(|name| OWN.contains(&name)) {
-            module.functions[handle] = function::strict(&old, &info[handle], &mut module, &operations)?;
+            module.functions[handle] = function::strict(&old, &info[handle], &mut module, &calls)?;
         }
     }
     for i in 0..module.entry_points.len() {
         let old = module.entry_points[i].function.clone();
-        module.entry_points[i].function = function::strict(&old, info.get_entry_point(i), &mut module, &operations)?;
+        module.entry_points[i].function = function::strict(&old, info.get_entry_point(i), &mut module, &calls)?;
     }
     let info = checked(&module).map_err(|error| format!("{:?}", error.into_inner()))?;
     let written = naga::back::wgsl::write_string(&module, &info, WriterFlags::empty());

@@ -1,6 +1,6 @@
 //! One function, rewritten: each operator on floats becomes calls, a component at a time.
 
-use super::{Operation, Operations};
+use super::calls::Calls;
 use naga::proc::Emitter;
 use naga::valid::FunctionInfo;
 use naga::{
@@ -10,16 +10,11 @@ use naga::{
 
 type Value = Handle<Expression>;
 
-/// The function with calls of `operations` in the place of its operators on floats.
+/// The function with calls of functions in the place of its operators on floats.
 ///
 /// # Errors
 /// Where it holds one that has no strict form.
-pub fn strict(
-    old: &Function,
-    info: &FunctionInfo,
-    module: &mut Module,
-    operations: &Operations,
-) -> Result<Function, String> {
+pub fn strict(old: &Function, info: &FunctionInfo, module: &mut Module, calls: &Calls) -> Result<Function, String> {
     let new = Function {
         name: old.name.clone(),
         arguments: old.arguments.clone(),
@@ -28,7 +23,7 @@ pub fn strict(
         ..Function::default()
     };
     let values = vec![None; old.expressions.len()];
-    let mut writer = Writer { old, info, module, operations, new, values, emitter: Emitter::default() };
+    let mut writer = Writer { old, info, module, calls, new, values, emitter: Emitter::default() };
     for (variable, local) in old.local_variables.iter() {
         let init = local.init.map(|init| writer.value(init)).transpose()?;
         writer.new.local_variables[variable].init = init;
@@ -46,7 +41,7 @@ struct Writer<'f> {
     old: &'f Function,
     info: &'f FunctionInfo,
     module: &'f mut Module,
-    operations: &'f Operations,
+    calls: &'f Calls,
     new: Function,
     /// What stands in the place of each of the old function's values.
     values: Vec<Option<Value>>,
@@ -307,7 +302,7 @@ impl Writer<'_> {
     /// An operation on each component; a number beside a vector goes with all of its components.
     fn each(
         &mut self,
-        operation: Operation,
+        name: &'static str,
         operands: &[(Value, Shape)],
         kind: ScalarKind,
         block: &mut Block,
@@ -316,7 +311,7 @@ impl Writer<'_> {
         let mut made = vec![];
         for i in 0..lanes(shape) {
             let arguments = operands.iter().map(|&(value, shape)| self.component(value, shape, i, block)).collect();
-            made.push(self.call(operation, arguments, block)?);
+            made.push(self.call(name, arguments, block)?);
         }
         Ok(match shape {
             Shape::One => made[0],
@@ -344,8 +339,8 @@ impl Writer<'_> {
         self.append(Expression::Compose { ty, components }, block)
     }
 
-    fn call(&mut self, operation: Operation, arguments: Vec<Value>, block: &mut Block) -> Result<Value, String> {
-        let function = self.operations.get(operation)?;
+    fn call(&mut self, name: &'static str, arguments: Vec<Value>, block: &mut Block) -> Result<Value, String> {
+        let function = self.calls.get(name)?;
         self.end_emitting(block);
         let result = self.new.expressions.append(Expression::CallResult(function), Span::UNDEFINED);
         block.push(Statement::Call { function, arguments, result: Some(result) }, Span::UNDEFINED);

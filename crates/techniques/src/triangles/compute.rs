@@ -68,55 +68,43 @@ struct Call {
     clears: u32,
     questions: u32,
     room: u32,
-    aligned: u32,
+    is_second: u32,
     nothing: [f32; 4],
     padding: [u32; 48],
 }
 
-/// An entry point; those that cover are run in one round or two.
+/// An entry point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Kernel {
     PlaceCorners,
-    CoverSmall { round: usize },
-    CoverLarge { round: usize },
-    CoverCut { round: usize },
-    Answer { round: usize },
-    AnswerRest { round: usize },
+    CoverSmall,
+    CoverLarge,
+    CoverCut,
+    Answer,
+    AnswerRest,
     Resolve(Output),
 }
 
 impl Kernel {
+    /// Those that cover, in the order in which a call takes them.
+    const THAT_COVER: [Self; 5] = [Self::CoverSmall, Self::CoverLarge, Self::CoverCut, Self::Answer, Self::AnswerRest];
+
     fn entry(self) -> &'static str {
         match self {
             Kernel::PlaceCorners => "place_corners",
-            Kernel::CoverSmall { .. } => "cover_small",
-            Kernel::CoverLarge { .. } => "cover_large",
-            Kernel::CoverCut { .. } => "cover_cut",
-            Kernel::Answer { .. } => "answer",
-            Kernel::AnswerRest { .. } => "answer_rest",
+            Kernel::CoverSmall => "cover_small",
+            Kernel::CoverLarge => "cover_large",
+            Kernel::CoverCut => "cover_cut",
+            Kernel::Answer => "answer",
+            Kernel::AnswerRest => "answer_rest",
             Kernel::Resolve(Output::GBuffer) => "resolve_gbuffer",
             Kernel::Resolve(Output::Shaded) => "resolve_shaded",
         }
     }
 
-    fn is_second(self) -> bool {
-        use Kernel::{Answer, AnswerRest, CoverCut, CoverLarge, CoverSmall};
-        match self {
-            CoverSmall { round } | CoverLarge { round } | CoverCut { round } => round == 1,
-            Answer { round } | AnswerRest { round } => round == 1,
-            Kernel::PlaceCorners | Kernel::Resolve(_) => false,
-        }
-    }
-
     /// Whether it answers questions, of which scenes without trims have none.
     fn is_answer(self) -> bool {
-        matches!(self, Kernel::Answer { .. } | Kernel::AnswerRest { .. })
-    }
-
-    /// Those of a round, in the order in which a call takes them.
-    fn that_cover(round: usize) -> [Kernel; 5] {
-        use Kernel::{Answer, AnswerRest, CoverCut, CoverLarge, CoverSmall};
-        [CoverSmall { round }, CoverLarge { round }, CoverCut { round }, Answer { round }, AnswerRest { round }]
+        matches!(self, Kernel::Answer | Kernel::AnswerRest)
     }
 }
 
@@ -190,11 +178,10 @@ impl Drawable for ByCompute {
             let resolve_layouts = resolve::layouts(device, "triangles", [&scene.layouts.scene, &layout]);
             (layout, cover_layout, resolve_layouts)
         })?;
-        let (technique, atomics) = (self.technique(), self.atomics);
+        let technique = self.technique();
         let pipelines = HashMap::new();
         Ok(Box::new(Kernels {
             technique,
-            atomics,
             depth,
             is_trimmed: scene.is_trimmed,
             fed,
@@ -262,7 +249,7 @@ impl Fed {
             clears: u32::from(index == 0),
             questions: (self.waiting() / 4) as u32,
             room: room as u32,
-            aligned: 0,
+            is_second: u32::from(round == 1),
             nothing,
             padding: [0; 48],
         };
@@ -275,7 +262,6 @@ impl Fed {
 /// The pass.
 struct Kernels {
     technique: &'static str,
-    atomics: Atomics,
     depth: DepthOrder,
     is_trimmed: bool,
     fed: Fed,
@@ -301,11 +287,7 @@ impl Kernels {
             Kernel::Resolve(output) => &self.resolve_layouts[&output].1,
             _ => &self.cover_layout,
         };
-        let of_flag = |flag: bool| f64::from(u8::from(flag));
-        let mut constants = vec![("FARTHEST", of_flag(self.depth == DepthOrder::Farthest))];
-        if self.atomics == Atomics::Bits32 {
-            constants.push(("SECOND_ROUND", of_flag(kernel.is_second())));
-        }
+        let constants = [("FARTHEST", f64::from(u8::from(self.depth == DepthOrder::Farthest)))];
         device.kernel(layout, (program, module), kernel.entry(), &constants)
     }
 }
@@ -321,7 +303,7 @@ impl Pass for Kernels {
 
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
         let is_run = |kernel: &Kernel| self.is_trimmed || !kernel.is_answer();
-        let covering = (0..rounds(self.atomics)).flat_map(Kernel::that_cover).filter(is_run);
+        let covering = Kernel::THAT_COVER.into_iter().filter(is_run);
         let kernels: Vec<_> = covering.chain([Kernel::PlaceCorners, Kernel::Resolve(output)]).collect();
         for (&program, module) in modules {
             for &kernel in &kernels {
@@ -413,10 +395,10 @@ impl Covered {
             // Questions of one batch are answered before those of the next take their place.
             for &(index, program, count) in batches {
                 let call = index + round * self.fed.batches.len();
-                for kernel in Kernel::that_cover(round) {
+                for kernel in Kernel::THAT_COVER {
                     let groups = match kernel {
                         _ if kernel.is_answer() && !self.asks => continue,
-                        Kernel::CoverSmall { .. } => workgroups(count, WORKGROUP),
+                        Kernel::CoverSmall => workgroups(count, WORKGROUP),
                         _ => [SHARING, 1],
                     };
                     dispatches.push(Dispatch { kernel, call, program, groups });
