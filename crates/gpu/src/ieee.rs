@@ -38,7 +38,7 @@ fn rewritten(source: &str) -> Result<String, String> {
     // Functions stand behind those that they call, also where something is put in later.
     let whole = format!("{ARITHMETIC}{source}");
     let mut module = naga::front::wgsl::parse_str(&whole).map_err(|error| error.emit_to_string(&whole))?;
-    let info = checked(&module).map_err(|error| error.emit_to_string(&whole))?;
+    let info = checked(&module, &whole)?;
     let calls = Calls::of(&module);
     let handles: Vec<_> = module.functions.iter().map(|(handle, _)| handle).collect();
     for handle in handles {
@@ -51,11 +51,12 @@ fn rewritten(source: &str) -> Result<String, String> {
         let old = module.entry_points[i].function.clone();
         module.entry_points[i].function = function::strict(&old, info.get_entry_point(i), &mut module, &calls)?;
     }
-    let info = checked(&module).map_err(|error| format!("{:?}", error.into_inner()))?;
+    let info = checked(&module, &whole)?;
     let written = naga::back::wgsl::write_string(&module, &info, WriterFlags::empty());
     Ok(written.map_err(|error| error.to_string())?.replace(SHORTEST_GREATEST, GREATEST))
 }
 
-fn checked(module: &Module) -> Result<ModuleInfo, naga::WithSpan<naga::valid::ValidationError>> {
-    Validator::new(ValidationFlags::all(), Capabilities::all()).validate(module)
+fn checked(module: &Module, source: &str) -> Result<ModuleInfo, String> {
+    let found = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(module);
+    found.map_err(|error| error.emit_to_string(source))
 }
