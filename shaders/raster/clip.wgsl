@@ -9,6 +9,7 @@ const MOST_CORNERS: u32 = 9u;
 // A corner before the division by w, as a share of the triangle's three.
 struct ClipVertex {
     clip: vec4<f32>,
+    uv: vec2<f32>,
     share: vec3<f32>,
 }
 
@@ -41,11 +42,11 @@ fn is_inside(clip: vec4<f32>) -> bool {
 }
 
 // The part of a triangle inside all planes.
-fn clipped(corners: array<vec4<f32>, 3>) -> Polygon {
+fn clipped(corners: array<ClipVertex, 3>) -> Polygon {
     var polygon: Polygon;
     polygon.count = 3u;
     for (var i = 0u; i < 3u; i++) {
-        polygon.corners[i] = ClipVertex(corners[i], vec3<f32>(vec3<u32>(i) == vec3<u32>(0u, 1u, 2u)));
+        polygon.corners[i] = corners[i];
     }
     for (var plane = 0u; plane < 6u; plane++) {
         var inside: Polygon;
@@ -85,6 +86,7 @@ fn cut(inside: ClipVertex, outside: ClipVertex, d_inside: f32, d_outside: f32) -
     for (var i = 0u; i < 4u; i++) {
         at.clip[i] = sum(inside.clip[i], product(difference(outside.clip[i], inside.clip[i]), t));
     }
+    at.uv = inside.uv + (outside.uv - inside.uv) * t;
     at.share = inside.share + (outside.share - inside.share) * t;
     return at;
 }

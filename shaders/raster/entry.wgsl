@@ -33,13 +33,15 @@ struct Call {
     // Where questions start, and how many there is room for.
     questions: u32,
     room: u32,
+    // Whether it is of the second round, where there are two.
+    is_second: u32,
     nothing: vec4<f32>,
 }
 
 // Vertices, then three indices a triangle.
 @group(1) @binding(0) var<storage, read> mesh: array<u32>;
-// A vertex: snapped x and y, the bits of depth and of 1 / w.
-@group(1) @binding(1) var<storage, read_write> corners: array<vec4<u32>>;
+// A vertex: x and y in the picture, depth, 1 / w.
+@group(1) @binding(1) var<storage, read_write> corners: array<vec4<f32>>;
 // Counts, then triangles that wait: large ones from the front on, cut ones from the back; then questions that wait.
 @group(1) @binding(3) var<storage, read_write> queue: array<atomic<u32>>;
 @group(1) @binding(4) var<uniform> call: Call;
@@ -82,14 +84,14 @@ fn place_corners(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     if (is_inside(clip)) {
         corner = corner_of(clip, half_size());
     }
-    corners[vertex] = vec4<u32>(bitcast<vec2<u32>>(corner.at), bitcast<u32>(corner.depth), bitcast<u32>(corner.inverse_w));
+    corners[vertex] = vec4<f32>(corner.position, corner.depth, corner.inverse_w);
 }
 
 fn corners_of(vertices: vec3<u32>) -> array<Corner, 3> {
     var placed: array<Corner, 3>;
     for (var i = 0u; i < 3u; i++) {
         let c = corners[vertices[i]];
-        placed[i] = Corner(bitcast<vec2<i32>>(c.xy), bitcast<f32>(c.z), bitcast<f32>(c.w));
+        placed[i] = corner_at(c.xy, c.z, c.w);
     }
     return placed;
 }
@@ -129,7 +131,7 @@ fn cover_small(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
     for (var y = t.first.y; y < t.end.y; y++) {
         let columns = columns_of(t, y);
         for (var x = columns.x; x < columns.y; x++) {
-            cover(t, WHOLE, triangle, vec2<i32>(x, y));
+            cover(whole_piece(t), triangle, vec2<i32>(x, y));
         }
     }
 }
@@ -149,7 +151,7 @@ fn cover_large(
     for (var i = group.x; i < count * shares; i += groups.x) {
         let triangle = atomicLoad(&queue[call.waiting + i / shares]);
         let t = set_up(corners_of(vertices_of(triangle)), size_in_pixels());
-        cover_shared(t, WHOLE, triangle, (i % shares) * WORKGROUP + lane, shares * WORKGROUP);
+        cover_shared(whole_piece(t), triangle, (i % shares) * WORKGROUP + lane, shares * WORKGROUP);
     }
 }
 
@@ -171,18 +173,19 @@ fn cover_cut(
         for (var k = 2u; k < polygon.count; k++) {
             let piece = piece_of(polygon, k);
             if (piece.t.is_seen) {
-                cover_shared(piece.t, piece.share, triangle, (i % shares) * WORKGROUP + lane, shares * WORKGROUP);
+                cover_shared(piece, triangle, (i % shares) * WORKGROUP + lane, shares * WORKGROUP);
             }
         }
     }
 }
 
 // The part of thread `k` of `threads`: every so many rows, and there every ALONG-th pixel.
-fn cover_shared(t: Flat, share: mat3x3<f32>, triangle: u32, k: u32, threads: u32) {
+fn cover_shared(piece: Piece, triangle: u32, k: u32, threads: u32) {
+    let t = piece.t;
     for (var y = t.first.y + i32(k / ALONG); y < t.end.y; y += i32(threads / ALONG)) {
         let columns = columns_of(t, y);
         for (var x = columns.x + i32(k % ALONG); x < columns.y; x += i32(ALONG)) {
-            cover(t, share, triangle, vec2<i32>(x, y));
+            cover(piece, triangle, vec2<i32>(x, y));
         }
     }
 }
@@ -190,15 +193,28 @@ fn cover_shared(t: Flat, share: mat3x3<f32>, triangle: u32, k: u32, threads: u32
 // What the corners of a triangle that is not cut carry of its own.
 const WHOLE: mat3x3<f32> = mat3x3<f32>(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
 
-// A part of a cut triangle: what each of its corners carries of the whole one's.
+// A triangle, or a part of a cut one: what each of its corners carries of the whole one's, and its own u and v where it is a part.
 struct Piece {
     t: Flat,
+    is_part: bool,
+    u: vec3<f32>,
+    v: vec3<f32>,
     share: mat3x3<f32>,
+}
+
+fn whole_piece(t: Flat) -> Piece {
+    return Piece(t, false, vec3<f32>(), vec3<f32>(), WHOLE);
 }
 
 fn polygon_of(triangle: u32) -> Polygon {
     let vertices = vertices_of(triangle);
-    return clipped(array<vec4<f32>, 3>(clip_of(vertices.x), clip_of(vertices.y), clip_of(vertices.z)));
+    var corners: array<ClipVertex, 3>;
+    for (var i = 0u; i < 3u; i++) {
+        let vertex = vertices[i];
+        let uv = vec2<f32>(number_of(vertex, 3u), number_of(vertex, 4u));
+        corners[i] = ClipVertex(clip_of(vertex), uv, vec3<f32>(vec3<u32>(i) == vec3<u32>(0u, 1u, 2u)));
+    }
+    return clipped(corners);
 }
 
 // Of the fan of pieces, the one that ends with corner k.
@@ -206,9 +222,12 @@ fn piece_of(polygon: Polygon, k: u32) -> Piece {
     var polygon_at = polygon;
     var placed: array<Corner, 3>;
     var piece: Piece;
+    piece.is_part = true;
     for (var i = 0u; i < 3u; i++) {
         let corner = polygon_at.corners[select(k - 2u + i, 0u, i == 0u)];
         placed[i] = corner_of(corner.clip, half_size());
+        piece.u[i] = corner.uv.x;
+        piece.v[i] = corner.uv.y;
         piece.share[i] = corner.share;
     }
     if (!is_cut(placed)) {
@@ -228,16 +247,16 @@ struct Offer {
     in: Sample,
 }
 
-fn offer_of(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) -> Offer {
+fn offer_of(piece: Piece, triangle: u32, pixel: vec2<i32>) -> Offer {
     var made: Offer;
-    let values = values_at(t, pixel);
+    let values = values_at(piece.t, pixel);
     if (values.covered) {
-        made.order = order_of(depth_at(t, values.rounded));
+        made.order = order_of(depth_at(piece.t, values.rounded));
         made.pixel = u32(pixel.y) * call.width + u32(pixel.x);
         made.is_open = made.order != 0u && is_wanted(made.pixel, made.order);
         made.is_asked = made.is_open && is_asked(triangle);
         if (made.is_asked) {
-            made.in = sample_of(triangle, share * shares_at(t, values.rounded), pixel);
+            made.in = sample_of(piece, triangle, weights_at(piece.t, pixel, values.rounded), pixel);
         }
     }
     return made;
@@ -250,8 +269,8 @@ fn is_asked(triangle: u32) -> bool {
 
 // Offers a triangle to a pixel if it covers its centre. The question if its face is there waits until all are known, so that every
 // thread has as many as any other.
-fn cover(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) {
-    let made = offer_of(t, share, triangle, pixel);
+fn cover(piece: Piece, triangle: u32, pixel: vec2<i32>) {
+    let made = offer_of(piece, triangle, pixel);
     if (!made.is_open) {
         return;
     }
@@ -311,26 +330,26 @@ fn answer_rest(
         }
         let placed = corners_of(vertices_of(triangle));
         if (!is_cut(placed)) {
-            answer_all(set_up(placed, size_in_pixels()), WHOLE, triangle, lane);
+            answer_all(whole_piece(set_up(placed, size_in_pixels())), triangle, lane);
             continue;
         }
         let polygon = polygon_of(triangle);
         for (var k = 2u; k < polygon.count; k++) {
-            let piece = piece_of(polygon, k);
-            answer_all(piece.t, piece.share, triangle, lane);
+            answer_all(piece_of(polygon, k), triangle, lane);
         }
     }
 }
 
 // The part of a workgroup's thread.
-fn answer_all(t: Flat, share: mat3x3<f32>, triangle: u32, lane: u32) {
+fn answer_all(piece: Piece, triangle: u32, lane: u32) {
+    let t = piece.t;
     if (!t.is_seen) {
         return;
     }
     for (var y = t.first.y + i32(lane / ALONG); y < t.end.y; y += i32(WORKGROUP / ALONG)) {
         let columns = columns_of(t, y);
         for (var x = columns.x + i32(lane % ALONG); x < columns.y; x += i32(ALONG)) {
-            let made = offer_of(t, share, triangle, vec2<i32>(x, y));
+            let made = offer_of(piece, triangle, vec2<i32>(x, y));
             if (made.is_open && shown(made.in).is_drawn) {
                 offer(made.pixel, made.order, triangle);
             }
@@ -352,23 +371,40 @@ fn order_of(depth: f32) -> u32 {
     return select(bits, select(~bits, 0u, bits == 0u), FARTHEST);
 }
 
-fn sample_of(triangle: u32, shares: vec3<f32>, pixel: vec2<i32>) -> Sample {
-    let v = vertices_of(triangle);
+fn sample_of(piece: Piece, triangle: u32, weights: vec3<f32>, pixel: vec2<i32>) -> Sample {
+    let corners = vertices_of(triangle);
+    let u = select(numbers_of(corners, 3u), piece.u, piece.is_part);
+    let v = select(numbers_of(corners, 4u), piece.v, piece.is_part);
+    let of_whole = piece.share[0] * weights.x + piece.share[1] * weights.y + piece.share[2] * weights.z;
     var in: Sample;
-    in.face = face_of(v.x);
-    in.given = Parameters(span_at(v.x), vec2<f32>(mixed(v, 3u, shares), mixed(v, 4u, shares)));
+    in.face = face_of(corners.x);
+    in.given = Parameters(span_at(corners.x), vec2<f32>(mixed(u, weights), mixed(v, weights)));
     in.at = vec2<f32>(pixel) + 0.5;
     if (VERTEX_NORMALS) {
-        in.normal = vec3<f32>(mixed(v, 8u, shares), mixed(v, 9u, shares), mixed(v, 10u, shares));
+        in.normal = carried_at(corners, 8u, of_whole);
     }
-    in.local = vec3<f32>(mixed(v, 0u, shares), mixed(v, 1u, shares), mixed(v, 2u, shares));
+    in.local = carried_at(corners, 0u, of_whole);
     return in;
 }
 
-// A number that the corners carry, from the first one's on: equal ones give that exactly.
-fn mixed(v: vec3<u32>, word: u32, shares: vec3<f32>) -> f32 {
-    let a = number_of(v.x, word);
-    return a + (shares.y * (number_of(v.y, word) - a) + shares.z * (number_of(v.z, word) - a));
+// A number that each of three vertices carries.
+fn numbers_of(vertices: vec3<u32>, word: u32) -> vec3<f32> {
+    return vec3<f32>(number_of(vertices.x, word), number_of(vertices.y, word), number_of(vertices.z, word));
+}
+
+fn carried_at(vertices: vec3<u32>, word: u32, weights: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(
+        mixed(numbers_of(vertices, word), weights),
+        mixed(numbers_of(vertices, word + 1u), weights),
+        mixed(numbers_of(vertices, word + 2u), weights),
+    );
+}
+
+// The weighted mean of what three corners carry, from the first one's on: equal ones give that exactly.
+fn mixed(corners: vec3<f32>, weights: vec3<f32>) -> f32 {
+    let sum = weights.x + weights.y + weights.z;
+    let a = corners.x;
+    return a + (weights.y * (corners.y - a) + weights.z * (corners.z - a)) / sum;
 }
 
 // What a pixel sees, if that is of this call.
@@ -396,22 +432,22 @@ fn seen_at(at: vec2<u32>) -> Seen {
     }
     let pixel = vec2<i32>(at);
     let placed = corners_of(vertices_of(triangle));
-    var shares: vec3<f32>;
+    var piece: Piece;
     if (is_cut(placed)) {
         let polygon = polygon_of(triangle);
         for (var k = 2u; k < polygon.count; k++) {
-            let piece = piece_of(polygon, k);
-            let values = values_at(piece.t, pixel);
-            if (piece.t.is_seen && values.covered) {
-                shares = piece.share * shares_at(piece.t, values.rounded);
+            let tried = piece_of(polygon, k);
+            let values = values_at(tried.t, pixel);
+            if (tried.t.is_seen && values.covered && order_of(depth_at(tried.t, values.rounded)) == order_at(index)) {
+                piece = tried;
+                break;
             }
         }
     } else {
-        let t = set_up(placed, size_in_pixels());
-        shares = shares_at(t, values_at(t, pixel).rounded);
+        piece = whole_piece(set_up(placed, size_in_pixels()));
     }
     found.is_there = true;
-    found.in = sample_of(triangle, shares, pixel);
+    found.in = sample_of(piece, triangle, weights_at(piece.t, pixel, values_at(piece.t, pixel).rounded), pixel);
     return found;
 }
 

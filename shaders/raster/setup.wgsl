@@ -1,6 +1,6 @@
 // Triangle setup: snapped corners, edge functions for coverage, depth, and what interpolation takes. Twin of
 // crates/raster/src/{vertex,setup}.rs: what decides coverage and depth has the same bits.
-// Uses layout.wgsl raster/strict.wgsl
+// Uses layout.wgsl raster/strict.wgsl raster/area.wgsl
 
 const SUBPIXEL_ONE: f32 = 256.0;
 const PIXEL: i32 = 256;
@@ -10,7 +10,12 @@ const NARROW: i32 = 16640;
 // More than what rounding moves the end of a row by: a quotient of up to 2^14 columns, to 2^-21 of itself.
 const ROUNDING_PX: f32 = 1.0 / 16.0;
 
+// How far beyond an edge a triangle is extrapolated, as a share of its height over that edge.
+const BEYOND: f32 = 1.0 / 64.0;
+
 struct Corner {
+    // Pixels from the top left corner.
+    position: vec2<f32>,
     // Snapped: in 1/256 of a pixel.
     at: vec2<i32>,
     // z / w.
@@ -31,6 +36,8 @@ struct Flat {
     // How depth grows with the values of the edges opposite to the second and the third corner.
     scale: f32,
     gain: vec2<f32>,
+    // 1 / w of its corners, relative to the greatest.
+    share: vec3<f32>,
     // Its area.
     pixels: f32,
     // Whether it has any area and any pixel.
@@ -55,7 +62,11 @@ fn corner_of(clip: vec4<f32>, half: vec2<f32>) -> Corner {
     }
     let x = sum(half.x, product(half.x, quotient(clip.x, clip.w)));
     let y = difference(half.y, product(half.y, quotient(clip.y, clip.w)));
-    return Corner(vec2<i32>(round(vec2<f32>(x, y) * SUBPIXEL_ONE)), quotient(clip.z, clip.w), 1.0 / clip.w);
+    return corner_at(vec2<f32>(x, y), quotient(clip.z, clip.w), quotient(1.0, clip.w));
+}
+
+fn corner_at(position: vec2<f32>, depth: f32, inverse_w: f32) -> Corner {
+    return Corner(position, vec2<i32>(round(position * SUBPIXEL_ONE)), depth, inverse_w);
 }
 
 fn set_up(corners: array<Corner, 3>, size: vec2<i32>) -> Flat {
@@ -88,6 +99,8 @@ fn set_up(corners: array<Corner, 3>, size: vec2<i32>) -> Flat {
             quotient(difference(corners[1].depth, first), scaled),
             quotient(difference(corners[2].depth, first), scaled),
         );
+        let w = vec3<f32>(corners[0].inverse_w, corners[1].inverse_w, corners[2].inverse_w);
+        t.share = w / max(max(w.x, w.y), w.z);
     }
     return t;
 }
@@ -170,9 +183,18 @@ fn depth_at(t: Flat, values: vec3<f32>) -> f32 {
     return clamp(depth, min(min(a, b), c), max(max(a, b), c));
 }
 
-// How much of what each corner carries is shown where the edges have these values: shares of 1, in perspective.
-fn shares_at(t: Flat, values: vec3<f32>) -> vec3<f32> {
-    let w = vec3<f32>(t.corners[0].inverse_w, t.corners[1].inverse_w, t.corners[2].inverse_w);
-    let weights = values * (w / max(max(w.x, w.y), w.z));
-    return weights / (weights.x + weights.y + weights.z);
+// How much each corner counts where the edges have these values, in perspective: the areas that the sample of a covered pixel
+// makes with the corners as they were before snapping, but those of the snapped triangle where that would be too far beyond it.
+fn weights_at(t: Flat, pixel: vec2<i32>, values: vec3<f32>) -> vec3<f32> {
+    let sample = vec2<f32>(pixel) + 0.5;
+    let a = t.corners[0].position - sample;
+    let b = t.corners[1].position - sample;
+    let c = t.corners[2].position - sample;
+    let areas = vec3<f32>(area_between(b, c), area_between(c, a), area_between(a, b));
+    let weights = select(areas, -areas, t.turned) * t.share;
+    let sum = weights.x + weights.y + weights.z;
+    if (sum > 0.0 && all(weights >= vec3<f32>(sum * -BEYOND))) {
+        return weights;
+    }
+    return values * t.share;
 }

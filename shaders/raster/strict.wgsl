@@ -23,17 +23,56 @@ fn product(a: f32, b: f32) -> f32 {
     return kept(a * b);
 }
 
-// a / b rounded to nearest, halves to even, by long division; b is positive.
-fn quotient(a: f32, b: f32) -> f32 {
-    let bits_a = bitcast<u32>(a);
-    let bits_b = bitcast<u32>(b);
-    let exponent_a = (bits_a >> 23u) & 0xffu;
-    if (exponent_a == 0u) {
-        return 0.0;
+const SIGN: u32 = 0x80000000u;
+const MAGNITUDE: u32 = 0x7fffffffu;
+const INFINITE: u32 = 0x7f800000u;
+const LEADING: u32 = 0x800000u;
+
+// A positive number as mantissa × 2^(exponent − 150), where the mantissa has its leading one at bit 23.
+struct Unpacked {
+    mantissa: u32,
+    exponent: i32,
+}
+
+// Of the bits of a number that is neither zero nor infinite.
+fn unpacked(magnitude: u32) -> Unpacked {
+    let exponent = magnitude >> 23u;
+    if (exponent == 0u) {
+        let shift = 23u - firstLeadingBit(magnitude);
+        return Unpacked(magnitude << shift, 1 - i32(shift));
     }
-    var exponent = i32(exponent_a) - i32((bits_b >> 23u) & 0xffu) + 127;
-    var rest = (bits_a & 0x7fffffu) | 0x800000u;
-    let divisor = (bits_b & 0x7fffffu) | 0x800000u;
+    return Unpacked((magnitude & 0x7fffffu) | LEADING, i32(exponent));
+}
+
+// Bits of a number with this exponent, of which a mantissa's bits to the right of the lowest say how to round: `rest` of what
+// is to the right of it. The mantissa has its leading one at bit 23 + `digits`, of which there are 1 … 7.
+fn packed(exponent: i32, mantissa: u32, digits: u32, rest: bool) -> u32 {
+    // Below the least normal number a number has fewer digits.
+    let shift = min(digits + u32(max(1 - exponent, 0)), 31u);
+    var kept_digits = mantissa >> shift;
+    let lost = mantissa & ((1u << shift) - 1u);
+    let half = 1u << (shift - 1u);
+    if (lost > half || (lost == half && (rest || (kept_digits & 1u) != 0u))) {
+        kept_digits += 1u;
+    }
+    if (exponent >= 255) {
+        return INFINITE;
+    }
+    return (u32(max(exponent, 1) - 1) << 23u) + kept_digits;
+}
+
+// a / b, rounded to nearest, halves to even, by long division.
+fn quotient(a: f32, b: f32) -> f32 {
+    let sign = (bitcast<u32>(a) ^ bitcast<u32>(b)) & SIGN;
+    let of_a = bitcast<u32>(a) & MAGNITUDE;
+    let of_b = bitcast<u32>(b) & MAGNITUDE;
+    if (of_a == 0u || of_b == 0u || max(of_a, of_b) >= INFINITE) {
+        return bitcast<f32>(sign ^ endless_quotient(of_a, of_b) ^ zeros.x);
+    }
+    let dividend = unpacked(of_a);
+    let divisor = unpacked(of_b).mantissa;
+    var exponent = dividend.exponent - unpacked(of_b).exponent + 127;
+    var rest = dividend.mantissa;
     if (rest < divisor) {
         rest <<= 1u;
         exponent -= 1;
@@ -47,14 +86,15 @@ fn quotient(a: f32, b: f32) -> f32 {
         rest -= eight * divisor;
         digits = (digits << 8u) | eight;
     }
-    var mantissa = digits >> 1u;
-    if ((digits & 1u) != 0u && (rest != 0u || (mantissa & 1u) != 0u)) {
-        mantissa += 1u;
+    return bitcast<f32>(sign | packed(exponent, digits, 1u, rest != 0u));
+}
+
+// The same of magnitudes of which one is zero, infinite or no number.
+fn endless_quotient(a: u32, b: u32) -> u32 {
+    if (max(a, b) > INFINITE || a == b) {
+        return 0x7fc00000u;
     }
-    if (exponent <= 0) {
-        return 0.0;
-    }
-    return bitcast<f32>((bits_a & 0x80000000u) | ((u32(exponent) << 23u) + (mantissa - 0x800000u)));
+    return select(0u, INFINITE, a > b);
 }
 
 // A whole number of 64 bits.
@@ -99,7 +139,7 @@ fn rounded(w: Wide) -> f32 {
     if (lost > half || (lost == half && (mantissa & 1u) != 0u)) {
         mantissa += 1u;
     }
-    return bitcast<f32>(((150u + shift) << 23u) + (mantissa - 0x800000u));
+    return bitcast<f32>(((150u + shift) << 23u) + (mantissa - LEADING));
 }
 
 // A number of either sign, to within 2^-22 of itself.

@@ -27,13 +27,13 @@ const FAULTS: &[(&str, Scene, [&str; 2])] = &[
     (
         "the third corner's parameters are the second's",
         Scene::Framed,
-        ["number_of(v.z, word) - a", "number_of(v.y, word) - a"],
+        ["weights.z * (corners.z - a)", "weights.z * (corners.y - a)"],
     ),
     ("no face is asked whether it is there", Scene::Framed, ["return TRIMMED && (faces[", "return false && (faces["]),
     (
         "corners are snapped to whole pixels",
         Scene::Framed,
-        ["round(vec2<f32>(x, y) * SUBPIXEL_ONE)", "round(vec2<f32>(x, y)) * SUBPIXEL_ONE"],
+        ["round(position * SUBPIXEL_ONE)", "round(position) * SUBPIXEL_ONE"],
     ),
     ("parameters are not in perspective", Scene::Inside, ["w / max(max(w.x, w.y), w.z)", "vec3<f32>(1.0)"]),
 ];

@@ -77,6 +77,8 @@ enum Suite {
     Tessellation,
     /// Who finds the triangles on the GPU: frames by its rasterizer, and by compute kernels with each kind of atomics
     Paths,
+    /// What strict arithmetic costs: frames by kernels with 32-bit atomics, and by --path strict
+    Strict,
     /// Instructions of the CPU's kernels, counted by valgrind's callgrind: other programs on the machine do not count
     Kernels,
 }
@@ -110,9 +112,15 @@ fn time(args: &BenchArgs) -> Result<()> {
         let frames = usize::from(args.frames);
         return tessellation::run(&args.tessellation, args.drawing.plan(), device.as_ref(), frames, args.format);
     }
-    if args.suite == Suite::Paths {
-        let Some(device) = &device else { bail!("suite paths times the GPU, and there is none") };
-        return paths::run(args.drawing.plan(), device, args.rounds, usize::from(args.frames), args.format);
+    let of_paths = match args.suite {
+        Suite::Paths => Some(paths::PATHS),
+        Suite::Strict => Some(paths::STRICT),
+        _ => None,
+    };
+    if let Some(of_paths) = of_paths {
+        let Some(device) = &device else { bail!("suites of paths time the GPU, and there is none") };
+        let amount = (args.rounds, usize::from(args.frames));
+        return paths::run(of_paths, args.drawing.plan(), device, amount, args.format);
     }
     let viewport = Viewport::new(args.side, args.side)?;
     let models: Vec<(Model, usize, f64)> =

@@ -8,4 +8,5 @@ pub mod kanai;
 pub mod legal;
 pub mod mutants;
 pub mod random;
+pub mod strict;
 pub mod variants;

@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use isophote::{commands, entry};
 use std::process::ExitCode;
-use xtask::{bench, bless, ci, geiger, kanai, legal, mutants, variants};
+use xtask::{bench, bless, ci, geiger, kanai, legal, mutants, strict, variants};
 
 /// Isophote and what its developers need
 #[derive(Parser)]
@@ -22,6 +22,7 @@ enum Command {
     Mutants(mutants::MutantsArgs),
     Legal(legal::LegalArgs),
     Variants(variants::VariantsArgs),
+    Strict(strict::StrictArgs),
     Bench(bench::BenchArgs),
     Bless(bless::BlessArgs),
     Ci(ci::CiArgs),
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         Command::Mutants(args) => mutants::run(&args),
         Command::Legal(args) => legal::run(&args),
         Command::Variants(args) => variants::run(&args),
+        Command::Strict(args) => strict::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Bless(args) => done(bless::run(&args)),
         Command::Ci(args) => ci::run(&args),

@@ -6,6 +6,7 @@
 //! them; a [`Picture`] goes to a PNG file. A [`Quantity`] is drawn as numbers ([`GBuffer::plotted`]), highlight lines by
 //! [`GBuffer::highlighted`].
 
+mod bits;
 mod buffer;
 mod error;
 mod highlight;
@@ -19,6 +20,7 @@ mod plot;
 mod resolve;
 mod shade;
 
+pub use bits::{Unlike, UnlikeNumber};
 pub use buffer::{GBuffer, Meta, Rows, Trims};
 pub use error::GBufferError;
 pub use highlight::{HungLamps, Lamps};

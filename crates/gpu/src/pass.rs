@@ -18,6 +18,11 @@ pub trait Drawable: Any + Send + Sync {
     /// Its shaders beside those that all techniques share; the first holds the entry points.
     fn parts(&self) -> &'static [Part];
 
+    /// Whether its programs are strict: in the arithmetic of [`crate::strict`].
+    fn is_strict(&self) -> bool {
+        false
+    }
+
     /// The stages that read the scene.
     fn stages(&self) -> ShaderStages;
 

@@ -4,6 +4,7 @@ use crate::buffers::SceneBuffers;
 use crate::device::COMPILER;
 use crate::faults::Overrides;
 use crate::hits::{self, Seen};
+use crate::ieee;
 use crate::mark::{Mark, UNDECIDED};
 use crate::modules::Modules;
 use crate::pass::{Drawable, Frame, Pass};
@@ -88,6 +89,7 @@ impl<'a> Renderer<'a> {
                 let variant =
                     Variant { parts: drawn.parts(), program, curvature, vertex_normals, trims: scene.trim_method() };
                 let source = overrides.source.map_or_else(|| wgsl::source(variant), |source| source(variant));
+                let source = if drawn.is_strict() { ieee::strict(&source)? } else { source };
                 vacant.insert(device.module(program, source)?);
             }
         }

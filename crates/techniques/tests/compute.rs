@@ -126,7 +126,7 @@ fn coverage_and_the_nearest_triangle_are_those_of_the_cpu_rasterizer() {
                 let what = format!("{name} by {technique}, view {view}, {form:?}");
                 assert!(covered > 500, "{what}: {covered} pixels are covered");
                 assert_eq!(others, 0, "{what}: of {covered} pixels");
-                // Snapping moves corners by √2 / 512 of a pixel, and the kernels interpolate from snapped ones.
+                // Snapping moves corners by √2 / 512 of a pixel.
                 let allowed = shot.prepared.built_px().expect("it has a chord error") + 1.0 / 64.0;
                 assert!(farthest < allowed, "{what}: {farthest} px of {allowed}");
             }

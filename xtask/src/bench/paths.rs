@@ -1,4 +1,5 @@
-//! Suite `paths`: frames of one technique by the GPU's rasterizer and by compute kernels, side by side.
+//! Suites `paths` and `strict`: frames of one technique by the GPU's rasterizer and by compute kernels, side by side; and what
+//! strict arithmetic costs these.
 
 use super::agree::disagreement;
 use super::sample::Sample;
@@ -22,8 +23,11 @@ const DRAWN: [(&str, [usize; 2]); 6] = [
     ("turbine", [1920, 1080]),
 ];
 
-/// The paths, the first of which the others are compared with.
-const PATHS: [Path; 3] = [Path::Fragment, Path::Compute, Path::Compute32];
+/// The paths of suite `paths`, the first of which the others are compared with.
+pub const PATHS: &[Path] = &[Path::Fragment, Path::Compute, Path::Compute32];
+
+/// Those of suite `strict`: the same atomics, in the adapter's arithmetic and in IEEE 754's.
+pub const STRICT: &[Path] = &[Path::Compute32, Path::Strict];
 
 /// Seconds that the frames of one line may take in a round.
 const SECONDS: f64 = 0.5;
@@ -68,25 +72,31 @@ fn name_of(path: Path) -> String {
 ///
 /// # Errors
 /// Where the paths' pictures disagree with the CPU rasterizer's, or the technique draws no triangles.
-pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format: Format) -> Result<()> {
+pub fn run(
+    paths: &[Path],
+    plan: Plan,
+    device: &gpu::Device,
+    (rounds, frames): (u16, usize),
+    format: Format,
+) -> Result<()> {
     let mut lines = vec![];
     let bar = terminal::progress("models", DRAWN.len());
     for (name, size) in DRAWN {
         let model = models::builtin(name).expect("built in");
-        for path in PATHS {
+        for &path in paths {
             if let Some(text) = disagreement(&model, Some(device), Plan { path, ..plan })? {
                 bail!("--path {}: {text}", name_of(path));
             }
         }
         let viewport = Viewport::new(size[0], size[1])?;
         let camera = Camera::framing(&model, viewport);
-        let mut stage = Stage::new(&model, camera, viewport, Plan { path: PATHS[1], ..plan })?;
+        let mut stage = Stage::new(&model, camera, viewport, Plan { path: paths[1], ..plan })?;
         let sample = || Sample::new(name, "ms", None);
-        let mut times = PATHS.map(|_| (sample(), sample(), vec![]));
+        let mut times: Vec<_> = paths.iter().map(|_| (sample(), sample(), vec![])).collect();
         let patience = Patience { frames: frames.max(64), seconds: SECONDS };
         for _ in 0..rounds {
-            for (path, (frame, gpu, parts_ms)) in PATHS.into_iter().zip(&mut times) {
-                stage.plan.path = path;
+            for (path, (frame, gpu, parts_ms)) in paths.iter().zip(&mut times) {
+                stage.plan.path = *path;
                 let cost = cost::on_gpu(&stage, device, patience)?;
                 frame.values.push(cost.frame_ms);
                 gpu.values.extend(cost.gpu_ms);
@@ -95,7 +105,7 @@ pub fn run(plan: Plan, device: &gpu::Device, rounds: u16, frames: usize, format:
         }
         let triangles = stage.prepared.triangles();
         let mut measured: Vec<Line> = vec![];
-        for (path, (frame, gpu, parts_ms)) in PATHS.into_iter().zip(times) {
+        for (&path, (frame, gpu, parts_ms)) in paths.iter().zip(times) {
             let frame = frame.figure();
             let gpu = (!gpu.values.is_empty()).then(|| gpu.figure());
             let timed = gpu.as_ref().unwrap_or(&frame);
@@ -148,7 +158,7 @@ fn print(report: &Report) -> Result<()> {
         "ms on the GPU",
         "of rounds",
         "of which",
-        "x fragment",
+        "x first path",
     ]);
     for line in &report.lines {
         table.add_row([

@@ -4,11 +4,11 @@ use super::answer::{SCHEMA_VERSION, answer, exit_code};
 use super::args::CompareArgs;
 use super::page::Page;
 use super::pictures::Pictures;
-use super::report::Report;
+use super::report::{Report, Strict};
 use super::table;
 use crate::antialias::{Antialias, SampleReport};
 use crate::masks::MaskReport;
-use crate::stage::{Plan, Rendered, ShadedReport, Stage};
+use crate::stage::{Path, Plan, Rendered, ShadedReport, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Result, bail};
@@ -22,6 +22,7 @@ use std::process::ExitCode;
 struct Sample {
     pairs: Vec<PairReport>,
     shaded: Option<ShadedReport>,
+    strict: Option<Strict>,
     pictures: Pictures,
     undecided: usize,
     /// The facts of the GPU's buffer, or why there is none.
@@ -48,6 +49,7 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
     let pairs: Vec<PairReport> = (0..count).filter_map(pair).collect();
     let gpu: Result<Vec<Meta>, String> = found.iter().map(|sample| sample.gpu.clone()).collect();
     let shaded = gpu.is_ok().then(|| ShadedReport::of_samples(found.iter().filter_map(|sample| sample.shaded.clone())));
+    let strict = Strict::of_samples(found.iter().filter_map(|sample| sample.strict.clone()));
     let meta = gpu.as_ref().ok().and_then(|metas| metas.first());
     let report = Report {
         schema_version: SCHEMA_VERSION,
@@ -64,13 +66,15 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
         samples: &samples,
         pairs: &pairs,
         shaded: shaded.flatten(),
+        strict,
         gpu_not_run: gpu.as_ref().err().filter(|_| !args.no_gpu).cloned(),
         undecided: found.iter().map(|sample| sample.undecided).sum(),
     };
     let rest = found.split_off(1);
     let mut pictures = found.remove(0).pictures;
     rest.into_iter().for_each(|sample| pictures.add_sample(sample.pictures));
-    let differs = report.shaded.as_ref().is_some_and(|shaded| shaded.verdict == Verdict::Differ);
+    let differs = report.shaded.as_ref().is_some_and(|shaded| shaded.verdict == Verdict::Differ)
+        || report.strict.as_ref().is_some_and(|strict| strict.unlike > 0);
     let code = match (&gpu, differs) {
         (Err(_), _) if !args.no_gpu => 2,
         (_, true) => 1,
@@ -139,9 +143,11 @@ impl Sample {
             shaded = Some(stage.judge_shading(shading, gbuffer, picture)?);
             pictures.add("gpu-shaded-in-fragment", picture.clone());
         }
+        let strict = gpu.ok().filter(|_| stage.plan.path == Path::Strict);
         Ok(Self {
             pairs: stage.compare(caster, rendered)?,
             shaded,
+            strict: strict.map(|gpu| Strict::new(raster, &gpu.gbuffer)),
             pictures,
             undecided: raycast.undecided(),
             gpu: gpu.map(|gpu| gpu.gbuffer.meta().clone()).map_err(String::clone),

@@ -6,6 +6,7 @@ use crate::approximate::Approximation;
 use crate::masks::MaskReport;
 use crate::stage::ShadedReport;
 use compare::{PairReport, Verdict};
+use gbuffer::GBuffer;
 use serde::Serialize;
 
 /// What the comparison found.
@@ -34,15 +35,44 @@ pub(super) struct Report<'a> {
     pub pairs: &'a [PairReport],
     /// The pictures shaded in the GPU's fragment stage against the shading of its G-buffer.
     pub shaded: Option<ShadedReport>,
+    /// The GPU's bits against the rasterizer's, where --path strict asks for the same ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strict: Option<Strict>,
     /// Why the GPU did not run.
     pub gpu_not_run: Option<String>,
     /// Pixels that the ray caster could not decide.
     pub undecided: usize,
 }
 
+/// How far the GPU has the CPU rasterizer's bits.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(super) struct Strict {
+    /// Pixels of which any number has other bits, of all samples together.
+    pub unlike: usize,
+    /// Which arrays, how often, and the first number, of the first sample that has any.
+    pub first: Option<String>,
+}
+
+impl Strict {
+    /// What two buffers of one picture come to.
+    pub fn new(raster: &GBuffer, gpu: &GBuffer) -> Self {
+        let unlike = raster.unlike(gpu);
+        Self { unlike: unlike.pixels, first: (unlike.pixels > 0).then(|| unlike.to_string()) }
+    }
+
+    /// Of all samples; `None` where there are none.
+    pub fn of_samples(samples: impl Iterator<Item = Self>) -> Option<Self> {
+        samples.reduce(|a, b| Self { unlike: a.unlike + b.unlike, first: a.first.or(b.first) })
+    }
+}
+
 impl Report<'_> {
     /// The answer in one plain line.
     pub fn line(&self) -> String {
+        let agree = self.pairs.iter().all(|pair| pair.differing() == 0);
+        if let Some(strict) = self.strict.as_ref().filter(|strict| strict.unlike > 0 && agree) {
+            return format!("{} pixels of the GPU have other bits than the rasterizer's.", strict.unlike);
+        }
         let shaded = self.shaded.as_ref().filter(|shaded| shaded.verdict == Verdict::Differ);
         let differ = shaded.map_or(0, |shaded| shaded.differ);
         verdict::line(self.pairs, &[], self.gpu_not_run.as_deref(), differ)

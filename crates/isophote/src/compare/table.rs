@@ -44,6 +44,12 @@ pub(super) fn print(report: &Report) -> Result<()> {
         let at = shaded.first.map_or(String::new(), |[x, y]| format!(", first at ({x}, {y}){}", sample(shaded.sample)));
         say!("picture shaded by the GPU: {} of {} pixels differ{at}: {verdict}", shaded.differ, shaded.covered)?;
     }
+    if let Some(strict) = &report.strict {
+        match &strict.first {
+            None => say!("strict: the GPU has the rasterizer's bits in every number of every pixel")?,
+            Some(first) => say!("strict: raster | gpu: {first}: DIFFER")?,
+        }
+    }
     if report.undecided > 0 {
         say!("the ray caster left {} pixels undecided", report.undecided)?;
     }

@@ -82,6 +82,9 @@ impl<'m> Stage<'m> {
         if plan.path != Path::Fragment && prepared.mesh().is_none() {
             bail!("technique {} draws no triangles, so there are none for --path compute", plan.technique.name())
         }
+        if plan.path == Path::Strict && (scene.masks().is_some() || plan.vertex_normals) {
+            bail!("--path strict covers trims by curves and the surface's own normals: no masks and no vertex normals");
+        }
         if plan.vertex_normals && prepared.cells().is_empty() {
             bail!(
                 "technique {} draws no triangles with corners on the surface, so it has no vertex normals",

@@ -20,6 +20,8 @@ pub enum Path {
     /// Compute kernels, with 32-bit atomics
     #[value(name = "compute-32")]
     Compute32,
+    /// Compute kernels with the CPU rasterizer's bits in all that they return, on every adapter; slow
+    Strict,
 }
 
 /// How a model is drawn.
@@ -67,7 +69,7 @@ impl Path {
         match self {
             Path::Fragment => None,
             Path::Compute => Some(device.atomics()),
-            Path::Compute32 => Some(gpu::Atomics::Bits32),
+            Path::Compute32 | Path::Strict => Some(gpu::Atomics::Bits32),
         }
     }
 
@@ -82,7 +84,11 @@ impl Path {
         prepared: &Arc<dyn Prepared>,
         options: gpu::RendererOptions<'_>,
     ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
-        match self.atomics(device).and_then(|atomics| ByCompute::new(prepared.clone(), atomics)) {
+        let by_compute = |atomics| match self {
+            Path::Strict => ByCompute::strict(prepared.clone()),
+            _ => ByCompute::new(prepared.clone(), atomics),
+        };
+        match self.atomics(device).and_then(by_compute) {
             Some(drawn) => gpu::Renderer::new(device, scene, &drawn, options),
             None => gpu::Renderer::new(device, scene, &**prepared, options),
         }

@@ -20,6 +20,7 @@ const ENTRY: Part = Part { file: "raster/entry.wgsl", text: include_str!("../../
 
 /// What they use.
 const CLIP: Part = Part { file: "raster/clip.wgsl", text: include_str!("../../../../shaders/raster/clip.wgsl") };
+const AREA: Part = Part { file: "raster/area.wgsl", text: include_str!("../../../../shaders/raster/area.wgsl") };
 const SETUP: Part = Part { file: "raster/setup.wgsl", text: include_str!("../../../../shaders/raster/setup.wgsl") };
 const STRICT: Part = Part { file: "raster/strict.wgsl", text: include_str!("../../../../shaders/raster/strict.wgsl") };
 
@@ -30,10 +31,10 @@ const NEAREST_32: Part =
     Part { file: "raster/nearest.wgsl", text: include_str!("../../../../shaders/raster/nearest32.wgsl") };
 
 /// The parts of a program by atomics of 64 bits.
-const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, STRICT, NEAREST_64, SAMPLE, resolve::PART];
+const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, AREA, STRICT, NEAREST_64, SAMPLE, resolve::PART];
 
 /// The same by atomics of 32 bits.
-const PARTS_32: &[Part] = &[ENTRY, CLIP, SETUP, STRICT, NEAREST_32, SAMPLE, resolve::PART];
+const PARTS_32: &[Part] = &[ENTRY, CLIP, SETUP, AREA, STRICT, NEAREST_32, SAMPLE, resolve::PART];
 
 /// Threads of a workgroup in `shaders/raster/entry.wgsl`.
 const WORKGROUP: u32 = 64;
@@ -67,50 +68,43 @@ struct Call {
     clears: u32,
     questions: u32,
     room: u32,
-    aligned: u32,
+    is_second: u32,
     nothing: [f32; 4],
     padding: [u32; 48],
 }
 
-/// An entry point; those that cover are run in one round or two.
+/// An entry point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Kernel {
     PlaceCorners,
-    CoverSmall { round: usize },
-    CoverLarge { round: usize },
-    CoverCut { round: usize },
-    Answer { round: usize },
-    AnswerRest { round: usize },
+    CoverSmall,
+    CoverLarge,
+    CoverCut,
+    Answer,
+    AnswerRest,
     Resolve(Output),
 }
 
 impl Kernel {
+    /// Those that cover, in the order in which a call takes them.
+    const THAT_COVER: [Self; 5] = [Self::CoverSmall, Self::CoverLarge, Self::CoverCut, Self::Answer, Self::AnswerRest];
+
     fn entry(self) -> &'static str {
         match self {
             Kernel::PlaceCorners => "place_corners",
-            Kernel::CoverSmall { .. } => "cover_small",
-            Kernel::CoverLarge { .. } => "cover_large",
-            Kernel::CoverCut { .. } => "cover_cut",
-            Kernel::Answer { .. } => "answer",
-            Kernel::AnswerRest { .. } => "answer_rest",
+            Kernel::CoverSmall => "cover_small",
+            Kernel::CoverLarge => "cover_large",
+            Kernel::CoverCut => "cover_cut",
+            Kernel::Answer => "answer",
+            Kernel::AnswerRest => "answer_rest",
             Kernel::Resolve(Output::GBuffer) => "resolve_gbuffer",
             Kernel::Resolve(Output::Shaded) => "resolve_shaded",
         }
     }
 
-    fn is_second(self) -> bool {
-        use Kernel::{Answer, AnswerRest, CoverCut, CoverLarge, CoverSmall};
-        match self {
-            CoverSmall { round } | CoverLarge { round } | CoverCut { round } => round == 1,
-            Answer { round } | AnswerRest { round } => round == 1,
-            Kernel::PlaceCorners | Kernel::Resolve(_) => false,
-        }
-    }
-
-    /// Those of a round, in the order in which a call takes them.
-    fn that_cover(round: usize) -> [Kernel; 5] {
-        use Kernel::{Answer, AnswerRest, CoverCut, CoverLarge, CoverSmall};
-        [CoverSmall { round }, CoverLarge { round }, CoverCut { round }, Answer { round }, AnswerRest { round }]
+    /// Whether it answers questions, of which scenes without trims have none.
+    fn is_answer(self) -> bool {
+        matches!(self, Kernel::Answer | Kernel::AnswerRest)
     }
 }
 
@@ -128,6 +122,7 @@ fn rounds(atomics: Atomics) -> usize {
 pub struct ByCompute {
     prepared: Arc<dyn Prepared>,
     atomics: Atomics,
+    is_strict: bool,
 }
 
 impl ByCompute {
@@ -142,7 +137,13 @@ impl ByCompute {
     /// What is prepared, drawn by kernels with these atomics; `None` where it has no triangles.
     pub fn new(prepared: Arc<dyn Prepared>, atomics: Atomics) -> Option<Self> {
         prepared.mesh()?;
-        Some(Self { prepared, atomics })
+        Some(Self { prepared, atomics, is_strict: false })
+    }
+
+    /// The same with the CPU rasterizer's bits in all that a G-buffer holds, on every adapter: one program for all of them, in
+    /// IEEE 754's arithmetic.
+    pub fn strict(prepared: Arc<dyn Prepared>) -> Option<Self> {
+        Some(Self { is_strict: true, ..Self::new(prepared, Atomics::Bits32)? })
     }
 
     fn mesh(&self) -> &Mesh {
@@ -159,6 +160,10 @@ impl Drawable for ByCompute {
         Self::parts_by(self.atomics)
     }
 
+    fn is_strict(&self) -> bool {
+        self.is_strict
+    }
+
     fn stages(&self) -> ShaderStages {
         ShaderStages::COMPUTE
     }
@@ -173,11 +178,10 @@ impl Drawable for ByCompute {
             let resolve_layouts = resolve::layouts(device, "triangles", [&scene.layouts.scene, &layout]);
             (layout, cover_layout, resolve_layouts)
         })?;
-        let (technique, atomics) = (self.technique(), self.atomics);
+        let technique = self.technique();
         let pipelines = HashMap::new();
         Ok(Box::new(Kernels {
             technique,
-            atomics,
             depth,
             is_trimmed: scene.is_trimmed,
             fed,
@@ -245,7 +249,7 @@ impl Fed {
             clears: u32::from(index == 0),
             questions: (self.waiting() / 4) as u32,
             room: room as u32,
-            aligned: 0,
+            is_second: u32::from(round == 1),
             nothing,
             padding: [0; 48],
         };
@@ -258,7 +262,6 @@ impl Fed {
 /// The pass.
 struct Kernels {
     technique: &'static str,
-    atomics: Atomics,
     depth: DepthOrder,
     is_trimmed: bool,
     fed: Fed,
@@ -284,11 +287,7 @@ impl Kernels {
             Kernel::Resolve(output) => &self.resolve_layouts[&output].1,
             _ => &self.cover_layout,
         };
-        let of_flag = |flag: bool| f64::from(u8::from(flag));
-        let mut constants = vec![("FARTHEST", of_flag(self.depth == DepthOrder::Farthest))];
-        if self.atomics == Atomics::Bits32 {
-            constants.push(("SECOND_ROUND", of_flag(kernel.is_second())));
-        }
+        let constants = [("FARTHEST", f64::from(u8::from(self.depth == DepthOrder::Farthest)))];
         device.kernel(layout, (program, module), kernel.entry(), &constants)
     }
 }
@@ -303,7 +302,8 @@ impl Pass for Kernels {
     }
 
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
-        let covering = (0..rounds(self.atomics)).flat_map(Kernel::that_cover);
+        let is_run = |kernel: &Kernel| self.is_trimmed || !kernel.is_answer();
+        let covering = Kernel::THAT_COVER.into_iter().filter(is_run);
         let kernels: Vec<_> = covering.chain([Kernel::PlaceCorners, Kernel::Resolve(output)]).collect();
         for (&program, module) in modules {
             for &kernel in &kernels {
@@ -395,10 +395,10 @@ impl Covered {
             // Questions of one batch are answered before those of the next take their place.
             for &(index, program, count) in batches {
                 let call = index + round * self.fed.batches.len();
-                for kernel in Kernel::that_cover(round) {
+                for kernel in Kernel::THAT_COVER {
                     let groups = match kernel {
-                        Kernel::Answer { .. } | Kernel::AnswerRest { .. } if !self.asks => continue,
-                        Kernel::CoverSmall { .. } => workgroups(count, WORKGROUP),
+                        _ if kernel.is_answer() && !self.asks => continue,
+                        Kernel::CoverSmall => workgroups(count, WORKGROUP),
                         _ => [SHARING, 1],
                     };
                     dispatches.push(Dispatch { kernel, call, program, groups });

@@ -1,0 +1,122 @@
+//! Each operation of a strict program, held against Rust's.
+
+use crate::random::Random;
+use anyhow::Result;
+use clap::ValueEnum;
+use gpu::{Device, Operation, Operator};
+use isophote::say;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Pairs of operands a dispatch.
+const CHUNK: u64 = 1 << 22;
+
+/// How many operands each operation is tried at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Amount {
+    /// None
+    None,
+    /// Some millions
+    Few,
+    /// All of 2^32 for the root, 2^30 pairs for the others, among them all mantissas of a divisor
+    All,
+}
+
+/// Pairs of operands by chance or in order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Operands {
+    /// Any bits.
+    Bits,
+    /// Finite numbers near each other in size, so that sums cancel.
+    Near,
+    /// Numbers whose products or quotients are about the least normal one.
+    Tiny,
+    /// The first goes through all bits.
+    InOrder,
+    /// The second goes through all mantissas of 1 … 2, and the first is of 1 … 2.
+    Mantissas,
+}
+
+impl Operands {
+    /// The pairs from number `first` on.
+    pub fn pairs(self, first: u64, count: usize) -> Vec<[f32; 2]> {
+        let pair = |index: u64| {
+            let mut random = Random::new(index ^ (self as u64) << 56);
+            let [x, y] = [random.bits() as u32, (random.bits() >> 16) as u32];
+            let near = |bits: u32, exponent: u32| (bits & 0x807f_ffff) | (exponent.min(254) << 23);
+            let spread = random.below(60) as u32;
+            let bits = match self {
+                Self::Bits => [x, y],
+                Self::Near => {
+                    let exponent = random.below(255) as u32;
+                    [near(x, exponent), near(y, (exponent + spread).saturating_sub(30))]
+                }
+                Self::Tiny => {
+                    let exponent = random.below(128) as u32;
+                    let other = if random.coin() { 128 - exponent } else { 126 + exponent };
+                    // Few digits, so that halves occur.
+                    let mut few = |bits: u32| bits & (u32::MAX << random.below(23));
+                    [few(near(x, exponent)), few(near(y, other.saturating_sub(10) + spread / 3))]
+                }
+                Self::InOrder => [index as u32, 0],
+                Self::Mantissas => [(x & 0x7f_ffff) | 0x3f80_0000, (index as u32 & 0x7f_ffff) | 0x3f80_0000],
+            };
+            bits.map(f32::from_bits)
+        };
+        (first..first + count as u64).into_par_iter().map(pair).collect()
+    }
+}
+
+/// What is tried: an operation, its operands, and how many pairs of them by `Few` and by `All`.
+const TRIALS: [(Operation, Operands, [u64; 2]); 12] = [
+    (Operation::Root, Operands::InOrder, [CHUNK, 1 << 32]),
+    (Operation::Root, Operands::Bits, [CHUNK, CHUNK]),
+    (Operation::Quotient, Operands::Mantissas, [CHUNK, 1 << 30]),
+    (Operation::Quotient, Operands::Bits, [CHUNK, 1 << 26]),
+    (Operation::Quotient, Operands::Tiny, [CHUNK, 1 << 26]),
+    (Operation::Product, Operands::Bits, [CHUNK, 1 << 26]),
+    (Operation::Product, Operands::Tiny, [CHUNK, 1 << 26]),
+    (Operation::Sum, Operands::Near, [CHUNK, 1 << 28]),
+    (Operation::Sum, Operands::Bits, [CHUNK, 1 << 26]),
+    (Operation::Difference, Operands::Near, [CHUNK, 1 << 26]),
+    (Operation::Less, Operands::Bits, [CHUNK, 1 << 24]),
+    (Operation::Less, Operands::Near, [CHUNK, 1 << 24]),
+];
+
+/// Tries all, prints a line each, and returns how many differ.
+///
+/// # Errors
+/// Where the adapter refuses.
+pub fn run(device: &Device, amount: Amount) -> Result<usize> {
+    let mut wrong = 0;
+    for (operation, operands, [few, all]) in TRIALS {
+        let count = if amount == Amount::All { all } else { few };
+        let began = Instant::now();
+        let operator = Operator::new(device, operation, &|source| source)?;
+        let (mut differ, mut first) = (0, None);
+        for start in (0..count).step_by(CHUNK as usize) {
+            let pairs = operands.pairs(start, CHUNK as usize);
+            let results = operator.results(&pairs)?;
+            let found = unlike(operation, &pairs, &results);
+            differ += found.len();
+            first = first.or(found.first().copied());
+        }
+        let seconds = began.elapsed().as_secs_f64();
+        say!("{:24} {count} pairs, {differ} differ, {seconds:.1} s", format!("{operation:?}, {operands:?}"))?;
+        if let Some(([a, b], result)) = first {
+            let [exact, result] = [operation.exact([a, b]), result].map(f32::to_bits);
+            say!("    first at {:08x}, {:08x}: {exact:08x} is right, {result:08x} came", a.to_bits(), b.to_bits())?;
+        }
+        wrong += usize::from(differ > 0);
+    }
+    Ok(wrong)
+}
+
+/// The pairs of operands of which a result has other bits than Rust's. Of what is no number only that is asked.
+pub fn unlike(operation: Operation, pairs: &[[f32; 2]], results: &[f32]) -> Vec<([f32; 2], f32)> {
+    let is_unlike = |(pair, result): &(&[f32; 2], &f32)| {
+        let exact = operation.exact(**pair);
+        exact.to_bits() != result.to_bits() && !(exact.is_nan() && result.is_nan())
+    };
+    pairs.par_iter().zip(results).filter(is_unlike).map(|(&pair, &result)| (pair, result)).collect()
+}
