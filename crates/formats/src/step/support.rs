@@ -83,6 +83,8 @@ pub(super) const ENTITIES: &[(&str, Support)] = &[
     ("REPRESENTATION_MAP", Followed),
     ("STYLED_ITEM", Followed),
     ("OVER_RIDING_STYLED_ITEM", Followed),
+    ("CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM", Followed),
+    ("PRESENTATION_STYLE_BY_CONTEXT", Followed),
     ("COLOUR_RGB", Followed),
     ("DRAUGHTING_PRE_DEFINED_COLOUR", Followed),
     ("INVISIBILITY", Followed),
