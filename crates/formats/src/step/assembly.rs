@@ -251,8 +251,8 @@ impl Walk<'_, '_> {
     }
 
     fn mapped(&mut self, number: u64, motion: &Motion, context: Option<u64>) {
-        let work = Cell::new(usize::MAX);
-        let geometry = Geometry { instances: self.instances, angle: 1.0, tolerance: 0.0, work: &work };
+        let (work, off) = (Cell::new(usize::MAX), Cell::new(0.0));
+        let geometry = Geometry { instances: self.instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work };
         let target = || -> Result<(u64, Motion), Fault> {
             let item = geometry.get(number)?;
             let own = item.parameters();

@@ -138,8 +138,8 @@ fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, fault
 
 /// The two representations of a relationship, and the move from the first one's coordinates to the second's.
 fn related(instances: &Instances, number: u64) -> Result<(u64, u64, Motion), Fault> {
-    let work = Cell::new(usize::MAX);
-    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0, work: &work };
+    let (work, off) = (Cell::new(usize::MAX), Cell::new(0.0));
+    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work };
     let entity = geometry.get(number)?;
     let own = match entity.part("REPRESENTATION_RELATIONSHIP") {
         Some(part) => part,
