@@ -66,7 +66,14 @@ const NAMED: [(&str, [u8; 3]); 8] = [
 struct Said<T> {
     anywhere: BTreeMap<u64, T>,
     /// By the item and the last of the contexts.
-    within: BTreeMap<(u64, u64), Vec<(Vec<u64>, T)>>,
+    within: BTreeMap<(u64, u64), Vec<Within<T>>>,
+}
+
+/// What holds only within all of some instances.
+#[derive(Debug)]
+struct Within<T> {
+    contexts: Vec<u64>,
+    said: T,
 }
 
 impl<T> Default for Said<T> {
@@ -83,7 +90,7 @@ impl<T> Said<T> {
             Some(last) => {
                 let there = self.within.entry((item, *last)).or_default();
                 if there.len() < MOST {
-                    there.push((contexts, said));
+                    there.push(Within { contexts, said });
                 }
             }
         }
@@ -91,16 +98,16 @@ impl<T> Said<T> {
 
     /// What holds for an item within these instances; that of more contexts before that of fewer.
     fn get(&self, item: u64, inside: &[u64]) -> Option<&T> {
-        let mut best: Option<&(Vec<u64>, T)> = None;
+        let mut best: Option<&Within<T>> = None;
         if !self.within.is_empty() {
             let there = inside.iter().filter_map(|last| self.within.get(&(item, *last))).flatten();
-            for said in there.filter(|(contexts, _)| contexts.iter().all(|context| inside.contains(context))) {
-                if best.is_none_or(|best| best.0.len() < said.0.len()) {
-                    best = Some(said);
+            for own in there.filter(|own| own.contexts.iter().all(|context| inside.contains(context))) {
+                if best.is_none_or(|best| best.contexts.len() < own.contexts.len()) {
+                    best = Some(own);
                 }
             }
         }
-        best.map(|(_, said)| said).or_else(|| self.anywhere.get(&item))
+        best.map(|own| &own.said).or_else(|| self.anywhere.get(&item))
     }
 }
 

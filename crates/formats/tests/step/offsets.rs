@@ -75,7 +75,7 @@ fn the_offset_of_a_spline_ball_is_a_ball() {
             list(&half.map(|[r, z]| w.point([r * x, r * y, z])))
         };
         let rows: Vec<String> = (0..9).map(|k| row(&mut w, k)).collect();
-        let weight = |k: usize| if k % 2 == 0 { 1.0 } else { FRAC_1_SQRT_2 };
+        let weight = |k: usize| [1.0, FRAC_1_SQRT_2][k % 2];
         let weights = (0..9).map(|i| {
             format!("({})", (0..5).map(|j| format!("{:?}", weight(i) * weight(j))).collect::<Vec<_>>().join(","))
         });
