@@ -1,12 +1,15 @@
-//! glTF 2.0, binary (.glb): a mesh with normals, in f32 about the middle of the model.
+//! glTF 2.0, binary (.glb): meshes with normals, in f32 about the middle of the model.
 //!
-//! The node moves it back and scales it to metres, as glTF asks for; so coordinates of 1e9 keep what they differ by. A viewer
-//! that multiplies in f32 loses it again. z stays up where the model has it so: glTF's y-up is not applied.
+//! The first node moves them back and scales them to metres, as glTF asks for; so coordinates of 1e9 keep what they differ by. A
+//! viewer that multiplies in f32 loses it again. z stays up where the model has it so: glTF's y-up is not applied.
+//!
+//! Below it each name of faces has a node with a mesh, and each colour in it a primitive with a material.
 
 use crate::error::ExportError;
-use crate::mesh::{Mesh, mesh};
+use crate::mesh::{Corner, FaceMesh, Mesh, mesh};
+use crate::parts::{Named, colours, named};
 use crate::writer::{Asked, Ready, Writer, Written};
-use formats::Document;
+use formats::{Colour, Document};
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -19,6 +22,13 @@ const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// Bytes of a vector, and of a number of a corner.
+const VECTOR: usize = 12;
+const INDEX: usize = 4;
+
+/// How rough materials are: neither a mirror nor chalk.
+const ROUGHNESS: f64 = 0.5;
 
 /// The writer.
 pub struct Gltf;
@@ -36,7 +46,7 @@ impl Writer for Gltf {
         true
     }
 
-    fn prepare<'d>(&self, document: &'d Document, asked: Asked) -> Result<Ready<'d>, ExportError> {
+    fn prepare<'d>(&self, _: &str, document: &'d Document, asked: Asked) -> Result<Ready<'d>, ExportError> {
         let mesh = mesh(&document.model, asked.error, asked.progress)?;
         let middle = document.model.hull().center();
         let lost = mesh.points.iter().map(|p| ((*p - middle).as_vec3().as_dvec3() - (*p - middle)).length());
@@ -48,67 +58,164 @@ impl Writer for Gltf {
             notes.push("the model names no unit: it is taken for metres, which are glTF's".to_owned());
         }
         let written = Written { faces: document.model.faces().len(), mesh: Some(mesh.facts.clone()), notes };
-        Ok(Ready { written, fill: Box::new(move |out| fill(out, document, &mesh, middle)) })
+        let fill = Box::new(move |out: &mut dyn Write| fill(out, document, &Local { mesh: &mesh, middle }));
+        Ok(Ready { written, fill, beside: None })
     }
 }
 
-fn fill(out: &mut dyn Write, document: &Document, mesh: &Mesh, middle: DVec3) -> io::Result<()> {
-    let local = |point: u32| (mesh.points[point as usize] - middle).as_vec3();
-    let corners = || mesh.faces.iter().flat_map(|face| &face.corners);
-    let count = corners().count();
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    corners().for_each(|corner| (min, max) = (min.min(local(corner.point)), max.max(local(corner.point))));
-    let vectors = 12 * count;
-    let indices = 12 * mesh.facts.triangles;
-    let scale = document.unit.as_ref().map_or(1.0, |unit| unit.millimetres / METRE);
-    let view = |offset: usize, length: usize, target: u32| json!({"buffer": 0, "byteOffset": offset, "byteLength": length, "target": target});
-    let mut head = json!({
-        "asset": {"version": "2.0", "generator": format!("isophote {}", env!("CARGO_PKG_VERSION"))},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"name": document.model.name(), "translation": (middle * scale).to_array(), "scale": [scale, scale, scale]}],
-    });
-    if 0 < mesh.facts.triangles {
-        let parts = json!({
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2, "mode": 4}]}],
-            "accessors": [
-                {"bufferView": 0, "componentType": FLOAT, "count": count, "type": "VEC3", "min": min.to_array(), "max": max.to_array()},
-                {"bufferView": 1, "componentType": FLOAT, "count": count, "type": "VEC3"},
-                {"bufferView": 2, "componentType": UNSIGNED_INT, "count": 3 * mesh.facts.triangles, "type": "SCALAR"},
-            ],
-            "bufferViews": [
-                view(0, vectors, ARRAY_BUFFER), view(vectors, vectors, ARRAY_BUFFER), view(2 * vectors, indices, ELEMENT_ARRAY_BUFFER),
-            ],
-            "buffers": [{"byteLength": 2 * vectors + indices}],
-        });
-        head["nodes"][0]["mesh"] = json!(0);
-        if let (Value::Object(head), Value::Object(parts)) = (&mut head, parts) {
-            head.extend(parts);
-        }
+/// A mesh about the middle of its model.
+struct Local<'m> {
+    mesh: &'m Mesh,
+    middle: DVec3,
+}
+
+impl Local<'_> {
+    fn point(&self, corner: &Corner) -> Vec3 {
+        (self.mesh.points[corner.point as usize] - self.middle).as_vec3()
     }
-    let mut head = head.to_string();
+}
+
+/// A primitive: faces of one name and one colour that have triangles.
+struct Primitive<'m> {
+    colour: Option<Colour>,
+    faces: Vec<&'m FaceMesh>,
+}
+
+impl Primitive<'_> {
+    fn corners(&self) -> impl Iterator<Item = &Corner> {
+        self.faces.iter().flat_map(|face| &face.corners)
+    }
+}
+
+/// The primitives of each name that has any.
+fn primitives<'d, 'm>(document: &'d Document, mesh: &'m Mesh) -> Vec<(Option<&'d str>, Vec<Primitive<'m>>)> {
+    let of_name = |Named { name, parts }: Named<'d>| {
+        let primitive = |part: &crate::parts::Part| {
+            let faces = part.faces.iter().map(|face| &mesh.faces[*face]);
+            Primitive { colour: part.colour, faces: faces.filter(|face| !face.triangles.is_empty()).collect() }
+        };
+        let own: Vec<Primitive> = parts.iter().map(primitive).filter(|own| !own.faces.is_empty()).collect();
+        (!own.is_empty()).then_some((name, own))
+    };
+    named(document).into_iter().filter_map(of_name).collect()
+}
+
+fn fill(out: &mut dyn Write, document: &Document, local: &Local) -> io::Result<()> {
+    let nodes = primitives(document, local.mesh);
+    let all = || nodes.iter().flat_map(|(_, primitives)| primitives);
+    let vectors = VECTOR * all().map(|own| own.corners().count()).sum::<usize>();
+    let body = 2 * vectors + 3 * INDEX * local.mesh.facts.triangles;
+    let mut head = head(document, local, &nodes, [vectors, body]).to_string();
     // A chunk ends at a multiple of four.
     head.extend(std::iter::repeat_n(' ', head.len().next_multiple_of(4) - head.len()));
-    let body = 2 * vectors + indices;
     let mut words = |words: &[u32]| words.iter().try_for_each(|word| out.write_all(&word.to_le_bytes()));
     words(&[u32::from_le_bytes(*b"glTF"), 2, (12 + 8 + head.len() + 8 + body) as u32])?;
     words(&[head.len() as u32, u32::from_le_bytes(*b"JSON")])?;
     out.write_all(head.as_bytes())?;
     let mut words = |words: &[u32]| words.iter().try_for_each(|word| out.write_all(&word.to_le_bytes()));
     words(&[body as u32, u32::from_le_bytes(*b"BIN\0")])?;
-    for corner in corners() {
-        words(&local(corner.point).to_array().map(f32::to_bits))?;
+    for corner in all().flat_map(Primitive::corners) {
+        words(&local.point(corner).to_array().map(f32::to_bits))?;
     }
-    for corner in corners() {
+    for corner in all().flat_map(Primitive::corners) {
         // A unit vector of f32, as the format asks for.
         words(&corner.normal.as_vec3().normalize_or(Vec3::Z).to_array().map(f32::to_bits))?;
     }
-    let mut first = 0;
-    for face in &mesh.faces {
-        for triangle in &face.triangles {
-            words(&triangle.map(|corner| first + corner))?;
+    for primitive in all() {
+        let mut first = 0;
+        for face in &primitive.faces {
+            for triangle in &face.triangles {
+                words(&triangle.map(|corner| first + corner))?;
+            }
+            first += face.corners.len() as u32;
         }
-        first += face.corners.len() as u32;
     }
     Ok(())
+}
+
+/// The JSON part. `vectors` are the bytes of all positions, and so of all normals; `body` those of the binary part.
+fn head(
+    document: &Document,
+    local: &Local,
+    nodes: &[(Option<&str>, Vec<Primitive>)],
+    [vectors, body]: [usize; 2],
+) -> Value {
+    let scale = document.unit.as_ref().map_or(1.0, |unit| unit.millimetres / METRE);
+    let translation = (local.middle * scale).to_array();
+    let mut whole =
+        vec![json!({"name": document.model.name(), "translation": translation, "scale": [scale, scale, scale]})];
+    let mut head = json!({
+        "asset": {"version": "2.0", "generator": format!("isophote {}", env!("CARGO_PKG_VERSION"))},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+    });
+    if !nodes.is_empty() {
+        let colours = colours(document);
+        let (mut meshes, mut accessors, mut at) = (vec![], vec![], [0; 2]);
+        for (name, primitives) in nodes {
+            let primitives: Vec<Value> = primitives
+                .iter()
+                .map(|own| {
+                    let [position, normal, indices] = [0, 1, 2].map(|k| accessors.len() + k);
+                    accessors.extend(accessors_of(own, local, &mut at));
+                    let attributes = json!({"POSITION": position, "NORMAL": normal});
+                    let mut primitive = json!({"attributes": attributes, "indices": indices, "mode": 4});
+                    if let Some(material) = own.colour.and_then(|colour| colours.binary_search(&colour).ok()) {
+                        primitive["material"] = json!(material);
+                    }
+                    primitive
+                })
+                .collect();
+            let mut node = json!({"mesh": meshes.len()});
+            if let Some(name) = name {
+                node["name"] = json!(name);
+            }
+            whole.push(node);
+            meshes.push(json!({"primitives": primitives}));
+        }
+        whole[0]["children"] = (1..whole.len()).collect();
+        head["meshes"] = Value::from(meshes);
+        head["accessors"] = Value::from(accessors);
+        if !colours.is_empty() {
+            head["materials"] = colours.into_iter().map(material).collect();
+        }
+        let corners = |at: usize| json!({"buffer": 0, "byteOffset": at, "byteLength": vectors, "byteStride": VECTOR, "target": ARRAY_BUFFER});
+        let indices = json!({"buffer": 0, "byteOffset": 2 * vectors, "byteLength": body - 2 * vectors, "target": ELEMENT_ARRAY_BUFFER});
+        head["bufferViews"] = json!([corners(0), corners(vectors), indices]);
+        head["buffers"] = json!([{"byteLength": body}]);
+    }
+    head["nodes"] = Value::from(whole);
+    head
+}
+
+/// Positions, normals and corners' numbers of a primitive; `at` counts the bytes of vectors, and of numbers, before it.
+fn accessors_of(own: &Primitive, local: &Local, at: &mut [usize; 2]) -> [Value; 3] {
+    let count = own.corners().count();
+    let corners: usize = own.faces.iter().map(|face| 3 * face.triangles.len()).sum();
+    let points = || own.corners().map(|corner| local.point(corner));
+    let (min, max) = (points().fold(Vec3::INFINITY, Vec3::min), points().fold(Vec3::NEG_INFINITY, Vec3::max));
+    let [vector, index] = *at;
+    *at = [vector + VECTOR * count, index + INDEX * corners];
+    let vectors = |view: u32| json!({"bufferView": view, "byteOffset": vector, "componentType": FLOAT, "count": count, "type": "VEC3"});
+    let (mut positions, normals) = (vectors(0), vectors(1));
+    positions["min"] = json!(min.to_array());
+    positions["max"] = json!(max.to_array());
+    let indices = json!({"bufferView": 2, "byteOffset": index, "componentType": UNSIGNED_INT, "count": corners, "type": "SCALAR"});
+    [positions, normals, indices]
+}
+
+/// A material of a colour, which glTF wants in linear parts.
+fn material(colour: Colour) -> Value {
+    let [red, green, blue] = colour.0.map(linear);
+    json!({
+        "name": colour.to_string(),
+        "pbrMetallicRoughness": {"baseColorFactor": [red, green, blue, 1.0], "metallicFactor": 0.0, "roughnessFactor": ROUGHNESS},
+        "doubleSided": true,
+    })
+}
+
+/// A part of a colour in sRGB as a share of light (IEC 61966-2-1).
+fn linear(part: u8) -> f64 {
+    let part = f64::from(part) / 255.0;
+    if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
 }

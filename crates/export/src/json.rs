@@ -1,4 +1,4 @@
-//! The project's own JSON: the model bit for bit; no unit.
+//! The project's own JSON: the document bit for bit, but for notes on how it was read.
 
 use crate::error::ExportError;
 use crate::writer::{Asked, Ready, Writer, Written};
@@ -20,11 +20,9 @@ impl Writer for Json {
         false
     }
 
-    fn prepare<'d>(&self, document: &'d Document, _: Asked) -> Result<Ready<'d>, ExportError> {
-        let text = formats::json::write(&document.model)?;
-        let unit = document.unit.as_ref();
-        let notes = unit.map(|unit| format!("the unit, {}, is not written: JSON has no place for it", unit.name));
-        let written = Written { faces: document.model.faces().len(), mesh: None, notes: notes.into_iter().collect() };
-        Ok(Ready { written, fill: Box::new(move |out| out.write_all(text.as_bytes())) })
+    fn prepare<'d>(&self, _: &str, document: &'d Document, _: Asked) -> Result<Ready<'d>, ExportError> {
+        let text = formats::json::write_document(document)?;
+        let written = Written { faces: document.model.faces().len(), mesh: None, notes: vec![] };
+        Ok(Ready { written, fill: Box::new(move |out| out.write_all(text.as_bytes())), beside: None })
     }
 }

@@ -9,6 +9,7 @@ mod gltf;
 mod json;
 pub mod mesh;
 mod obj;
+mod parts;
 mod step;
 mod stl;
 mod write;
@@ -16,4 +17,4 @@ mod writer;
 
 pub use error::ExportError;
 pub use write::{WRITERS, export, writer_of};
-pub use writer::{Asked, Fill, Ready, Writer, Written};
+pub use writer::{Asked, Beside, Fill, Ready, Writer, Written};

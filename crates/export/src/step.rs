@@ -40,7 +40,7 @@ impl Writer for Step {
         false
     }
 
-    fn prepare<'d>(&self, document: &'d Document, asked: Asked) -> Result<Ready<'d>, ExportError> {
+    fn prepare<'d>(&self, _: &str, document: &'d Document, asked: Asked) -> Result<Ready<'d>, ExportError> {
         let model = &document.model;
         let uncertainty = uncertainty(model);
         let topology = Topology::new(model, uncertainty)?;
@@ -72,7 +72,7 @@ impl Writer for Step {
         let fill = move |out: &mut dyn std::io::Write| {
             [&head, &body, FOOTER].iter().try_for_each(|t| out.write_all(t.as_bytes()))
         };
-        Ok(Ready { written, fill: Box::new(fill) })
+        Ok(Ready { written, fill: Box::new(fill), beside: None })
     }
 }
 

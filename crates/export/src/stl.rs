@@ -4,6 +4,7 @@
 
 use crate::error::ExportError;
 use crate::mesh::{Mesh, mesh};
+use crate::parts::lost;
 use crate::writer::{Asked, Ready, Writer, Written};
 use formats::Document;
 use std::io::{self, Write};
@@ -24,25 +25,26 @@ impl Writer for Stl {
         true
     }
 
-    fn prepare<'d>(&self, document: &'d Document, asked: Asked) -> Result<Ready<'d>, ExportError> {
+    fn prepare<'d>(&self, _: &str, document: &'d Document, asked: Asked) -> Result<Ready<'d>, ExportError> {
         let mesh = mesh(&document.model, asked.error, asked.progress)?;
         let mut notes = vec![];
         if let Some(unit) = &document.unit {
             notes.push(format!("the unit, {}, is not written: STL has no place for it", unit.name));
         }
-        let lost = mesh.points.iter().map(|p| (p.as_vec3().as_dvec3() - *p).length()).fold(0.0, f64::max);
+        notes.extend(lost(document, "STL"));
+        let rounded = mesh.points.iter().map(|p| (p.as_vec3().as_dvec3() - *p).length()).fold(0.0, f64::max);
         let merged =
             mesh.faces.iter().flat_map(|face| face.triangles.iter().map(move |t| (face, t))).filter(|(face, t)| {
                 let [a, b, c] = t.map(|corner| mesh.points[face.corners[corner as usize].point as usize].as_vec3());
                 a == b || b == c || c == a
             });
         let merged = merged.count();
-        notes.push(format!("coordinates are rounded to f32, by up to {lost:.1e}"));
+        notes.push(format!("coordinates are rounded to f32, by up to {rounded:.1e}"));
         if 0 < merged {
             notes.push(format!("{merged} triangles have two corners that f32 does not tell apart"));
         }
         let written = Written { faces: document.model.faces().len(), mesh: Some(mesh.facts.clone()), notes };
-        Ok(Ready { written, fill: Box::new(move |out| fill(out, &mesh)) })
+        Ok(Ready { written, fill: Box::new(move |out| fill(out, &mesh)), beside: None })
     }
 }
 

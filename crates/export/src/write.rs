@@ -6,7 +6,7 @@ use crate::json::Json;
 use crate::obj::Obj;
 use crate::step::Step;
 use crate::stl::Stl;
-use crate::writer::{Asked, Writer, Written};
+use crate::writer::{Asked, Beside, Writer, Written};
 use formats::Document;
 use std::path::Path;
 
@@ -26,7 +26,8 @@ pub fn writer_of(path: &Path) -> Result<&'static dyn Writer, ExportError> {
     })
 }
 
-/// Writes a document to a file of the format that its extension names, whole or not at all.
+/// Writes a document to a file of the format that its extension names, whole or not at all. What it names is written first, so
+/// that a file that is there is complete.
 ///
 /// # Errors
 /// [`ExportError::UnknownExtension`], [`ExportError::Error`], those of the writer, and [`ExportError::Io`].
@@ -35,7 +36,11 @@ pub fn export(path: &Path, document: &Document, asked: Asked) -> Result<Written,
     if asked.error.is_nan() || asked.error <= 0.0 || asked.error.is_infinite() {
         return Err(ExportError::Error(asked.error));
     }
-    let ready = writer.prepare(document, asked)?;
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let ready = writer.prepare(&stem, document, asked)?;
+    if let Some(Beside { name, fill }) = ready.beside {
+        files::write(&path.with_file_name(name), |out| fill(out))?;
+    }
     files::write(path, |out| (ready.fill)(out))?;
     Ok(ready.written)
 }

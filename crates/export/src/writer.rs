@@ -34,6 +34,16 @@ pub struct Ready<'d> {
     pub written: Written,
     /// Writes its bytes.
     pub fill: Fill<'d>,
+    /// A second file that it names.
+    pub beside: Option<Beside<'d>>,
+}
+
+/// A file that stands in the folder of another, which names it.
+pub struct Beside<'d> {
+    /// Its name; no path.
+    pub name: String,
+    /// Writes its bytes.
+    pub fill: Fill<'d>,
 }
 
 /// A format that documents are written in, with its writer in a file or folder of its own.
@@ -47,9 +57,10 @@ pub trait Writer: Sync {
     /// Whether it writes triangles, so that the error counts.
     fn is_tessellated(&self) -> bool;
 
-    /// Makes the file's content; nothing is written yet.
+    /// Makes the file's content; nothing is written yet. `stem` is the file's name without its extension: what stands beside
+    /// it bears the same.
     ///
     /// # Errors
     /// What of the document cannot be written, and [`ExportError::TooManyTriangles`].
-    fn prepare<'d>(&self, document: &'d Document, asked: Asked) -> Result<Ready<'d>, ExportError>;
+    fn prepare<'d>(&self, stem: &str, document: &'d Document, asked: Asked) -> Result<Ready<'d>, ExportError>;
 }

@@ -9,7 +9,8 @@
 //! 3. The rectangle of parameters that the loops need becomes an exact rational spline ([`rectangle`], [`patch`], [`arc`]).
 //! 4. Each path becomes a trim ([`fit`]): exactly where it is straight, or where plane or spline make it a spline, else
 //!    within a distance that is measured.
-//! 5. Faces that stand at several places are made once ([`once`]), and put in their places ([`gathered`]).
+//! 5. What a file says to stand at a distance from another curve or surface is made beforehand ([`parallel`], [`offset`]).
+//! 6. Faces that stand at several places are made once ([`once`]), and put in their places ([`gathered`]).
 
 pub(crate) mod arc;
 pub(crate) mod closed;
@@ -19,7 +20,10 @@ pub(crate) mod fit;
 pub(crate) mod frame;
 pub(crate) mod gathered;
 pub(crate) mod inverse;
+mod net;
+pub(crate) mod offset;
 pub(crate) mod once;
+pub(crate) mod parallel;
 pub(crate) mod patch;
 pub(crate) mod path;
 pub(crate) mod rectangle;

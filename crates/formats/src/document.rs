@@ -58,6 +58,16 @@ impl Colour {
     }
 }
 
+impl Colour {
+    /// From `#rrggbb`, as it is displayed, in digits of either case; `None` where the text is none.
+    pub fn of_text(text: &str) -> Option<Self> {
+        let digits =
+            text.strip_prefix('#').filter(|rest| rest.len() == 6 && rest.bytes().all(|b| b.is_ascii_hexdigit()))?;
+        let part = |k: usize| u8::from_str_radix(&digits[2 * k..2 * k + 2], 16).expect("two hexadecimal digits");
+        Some(Self([0, 1, 2].map(part)))
+    }
+}
+
 impl fmt::Display for Colour {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let [red, green, blue] = self.0;
@@ -90,6 +100,22 @@ pub enum SurfaceKind {
     /// A spline or Bézier surface, rational or not.
     #[default]
     Spline,
+}
+
+impl SurfaceKind {
+    /// Every kind.
+    pub const ALL: [Self; 10] = [
+        Self::Plane,
+        Self::Cylinder,
+        Self::Cone,
+        Self::Sphere,
+        Self::Torus,
+        Self::Revolution,
+        Self::Extrusion,
+        Self::Sum,
+        Self::Offset,
+        Self::Spline,
+    ];
 }
 
 impl fmt::Display for SurfaceKind {

@@ -97,7 +97,8 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     let entities = Entities::new(cards, global.delimiters);
     damage.extend(entities.damage.clone());
     let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
-    let geometry = Geometry { entities: &entities, tolerance: global.resolution, work: &work };
+    let off = Cell::new(0.0);
+    let geometry = Geometry { entities: &entities, tolerance: global.resolution, off: &off, work: &work };
     let mut assembly = Assembly::new(&geometry);
     let mut reader = Faces::new(&geometry);
     let mut made = Once::new(assembly.placed.iter().map(|placed| placed.number));

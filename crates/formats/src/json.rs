@@ -1,10 +1,10 @@
 //! `nurbs-neutral` version 1: the project's own files, JSON that keeps every f64 exactly.
 //!
 //! ```text
-//! {"format": "nurbs-neutral", "version": 1, "name": "…",
+//! {"format": "nurbs-neutral", "version": 1, "name": "…", "unit": {"name": "millimetre", "millimetres": 1.0},
 //!  "surfaces": [{"degree": [p, q], "knots_u": [..], "knots_v": [..], "nu": n, "nv": m,
 //!                "points": [[x, y, z], ..], "weights": [..]}],
-//!  "faces": [{"surface": k, "reversed": false, "tolerance": t,
+//!  "faces": [{"surface": k, "name": "…", "colour": "#rrggbb", "kind": "plane", "reversed": false, "tolerance": t,
 //!             "loops": [{"outer": true, "trims": [
 //!                {"degree": p, "knots": [..], "points": [[u, v], ..], "weights": [..],
 //!                 "reversed": false, "seam": false, "degenerate": false, "edge": id,
@@ -27,7 +27,11 @@
 //! Inside a knot vector a knot may occur p + 1 times: Bézier pieces in a row. Where the two points there are one, so is the
 //! spline; where they are two, the surface is cut into several, and its faces with it, which is noted. A torn trim is refused.
 //!
-//! May be absent or null: `name` (then the file's name), `faces` (then one whole face a surface), `weights` (then
+//! `unit` is that of the coordinates, with its length. A face's `colour` is sRGB; its `kind` says what the surface was in
+//! the file that it comes from: `plane`, `cylinder`, `cone`, `sphere`, `torus`, `revolution`, `extrusion`, `sum`, `offset`, or
+//! `b-spline` where it is absent. None of them changes what is drawn.
+//!
+//! May be absent or null: `name` (then the file's name), `unit`, a face's `name`, `colour` and `kind`, `faces` (then one whole face a surface), `weights` (then
 //! polynomial), `tolerance` and `edge_tolerance` (0), `vertex_tolerance` (unknown), `loops` (none), `edge`, and the flags
 //! `reversed`, `seam` and `degenerate` (false). Keys in any order; a key given twice is refused, and so is one that is not
 //! named here, lest a slip in a name pass for an absent key. Read over are only `view` and `meta` of the document and
@@ -44,9 +48,10 @@
 
 mod pieces;
 mod raw;
+mod said;
 mod write;
 
-use crate::document::Document;
+use crate::document::{Attributes, Document};
 use crate::error::FormatError;
 use crate::format::{Format, file_name, text, text_head};
 use crate::member::Member;
@@ -55,10 +60,10 @@ use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, NurbsError, Surface};
 use pieces::{Cut, Net};
 use raw::{Convention, RawDocument, RawFace, RawLoop, RawSurface, RawTrim, Version};
-use scene::{Face, Loop, Model, Note, SceneError, Trim};
+use scene::{Face, FaceId, Loop, Model, Note, SceneError, Trim};
 use std::ops::Range;
 
-pub use write::write;
+pub use write::{write, write_document};
 
 /// The most faces and trims that stand in no file, but are copies for the parts of torn surfaces.
 const COPIED: usize = 100_000;
@@ -84,25 +89,35 @@ impl Format for Json {
     }
 
     fn read(&self, bytes: &[u8], file: &str) -> Result<Document, FormatError> {
-        Ok(Document::of_model(parse(text(bytes, file)?, file)?))
+        document(text(bytes, file)?, file)
     }
 }
 
-/// Reads a model from JSON text; `file` names it in messages, and its last component names a model without a name.
+/// Reads a model from JSON text, as [`document`] does, without what is said beyond its shape.
+///
+/// # Errors
+/// As [`document`].
+pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
+    document(text, file).map(|document| document.model)
+}
+
+/// Reads a document from JSON text; `file` names it in messages, and its last component names a model without a name.
 ///
 /// # Errors
 /// [`Cause::Syntax`](crate::Cause::Syntax) and [`Cause::Kind`](crate::Cause::Kind) with line, column and member; `Value`,
 /// `Count`, `Nurbs` and `Scene` with the member.
-pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
+pub fn document(text: &str, file: &str) -> Result<Document, FormatError> {
     let place = Member::document(file);
     let RawDocument {
         format: raw::Format,
         version: Version,
         surfaces: raw_surfaces,
         name,
+        unit,
         knot_convention,
         faces: faces_of_file,
     } = raw::parse(text, file)?;
+    let unit = unit.map(|unit| said::unit(unit, &place.key("unit"))).transpose()?;
     let convention = knot_convention.unwrap_or(Convention::Full);
     if raw_surfaces.is_empty() {
         return Err(place.key("surfaces").value("[]", "at least one surface"));
@@ -121,6 +136,8 @@ pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
     }
     let name = name.unwrap_or_else(|| file_name(file));
     let mut faces = vec![];
+    // Of each face of the file.
+    let mut attributes: Vec<Attributes> = vec![];
     match faces_of_file {
         None => {
             for (i, part) in parts.iter().enumerate() {
@@ -129,8 +146,10 @@ pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
         }
         Some(raw_faces) => {
             let mut copied = 0;
-            for (i, face) in raw_faces.into_iter().enumerate() {
-                let face = build_face(face, convention, &place.key("faces").index(i))?;
+            for (i, mut face) in raw_faces.into_iter().enumerate() {
+                let place_of_face = place.key("faces").index(i);
+                attributes.push(said::attributes(&mut face, &place_of_face)?);
+                let face = build_face(face, convention, &place_of_face)?;
                 let Some(part) = parts.get(face.surface) else {
                     let (surface, count) = (face.surface, parts.len());
                     return Err(place.scene(SceneError::NoSuchSurface { face: i, surface, count }));
@@ -147,7 +166,13 @@ pub fn parse(text: &str, file: &str) -> Result<Model, FormatError> {
             }
         }
     }
-    Model::of_sound_faces(name, surfaces, faces, notes).map_err(|cause| place.scene(cause))
+    let model = Model::of_sound_faces(name, surfaces, faces, notes).map_err(|cause| place.scene(cause))?;
+    let mut document = Document { unit, ..Document::of_model(model) };
+    for (id, own) in document.attributes.iter_mut().enumerate() {
+        let number = document.model.number_in_file(FaceId(id as u32));
+        *own = attributes.get(number).cloned().unwrap_or_default();
+    }
+    Ok(document)
 }
 
 /// Checks the number of knots for `count` control points, and adds those that the convention leaves out.

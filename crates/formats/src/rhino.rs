@@ -1,6 +1,7 @@
 //! Rhino's files, `.3dm`: openNURBS archives of versions 3 to 8, all of whose surfaces and trims are exact rational splines.
 //!
-//! 1. [`archive`] gives chunks and numbers, [`tables`] the unit, the layers, the blocks and the objects.
+//! 1. [`archive`] gives chunks and numbers, [`tables`] the unit, the layers, the blocks and the objects, with what these
+//!    say of themselves ([`attributes`], [`material`]).
 //! 2. An object becomes a [`body::Body`]: a [`brep`], an [`extrusion`], or a surface alone ([`sheet`]).
 //! 3. Curves are in [`curve`]. Where a surface's own parameter is an angle, [`fit`] takes trims to the rational one.
 //! 4. [`assembly`] puts bodies in their places, those of blocks wherever a reference places them.
@@ -13,12 +14,14 @@
 
 mod archive;
 mod assembly;
+mod attributes;
 mod body;
 mod brep;
 mod class;
 mod curve;
 mod extrusion;
 mod fit;
+mod material;
 mod sheet;
 mod tables;
 

@@ -151,7 +151,8 @@ impl Reader<'_, '_> {
     fn face(&mut self, placed: &Placed) -> Result<Made, Fault> {
         let (instances, work) = (self.instances, self.work);
         let units = self.units(placed.context);
-        let geometry = Geometry { instances, angle: units.angle, tolerance: units.uncertainty, work };
+        let off = Cell::new(0.0);
+        let geometry = Geometry { instances, angle: units.angle, tolerance: units.uncertainty, off: &off, work };
         let is_face = matches!(instances.keyword(placed.number), "ADVANCED_FACE" | "FACE_SURFACE");
         let source = if is_face {
             topology::face(&geometry, placed.number)

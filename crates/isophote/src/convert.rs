@@ -16,6 +16,7 @@ const USUAL_SHARE: f64 = 1e-3;
 ///
 /// The extension of --out chooses the format. JSON and STEP keep every control point, knot and weight, and every trim's curve in
 /// (u, v), bit for bit; STEP adds edges in space, one for two faces where the model names it.
+/// Names and colours of faces go along, but into STL.
 /// OBJ, STL and glTF get triangles, each proven to be within --error of its surface; they are watertight where the model names the
 /// edges that its faces share. The last line says what was written: triangles, the proven distance, edges left open.
 ///

@@ -43,7 +43,7 @@ pub use hull::Hull;
 pub use knots::KnotVector;
 pub use many::Evaluation;
 pub use project::{Projection, Projector};
-pub use quintic::{Halving, QUINTIC, Quintics, Vector, quintics};
+pub use quintic::{Halving, NODES, QUINTIC, Quintic, Quintics, Vector, between_nodes, quintics};
 pub use scale::power_of_two;
 pub use space_curve::SpaceCurve;
 pub use surface::{Direction, Surface};

@@ -5,17 +5,54 @@
 
 use std::iter::Sum;
 use std::ops::{Add, Mul, Sub};
+use std::sync::LazyLock;
 
 /// Degree of the interpolation.
 pub const QUINTIC: usize = 5;
 
 /// Lobatto's nodes on 0 to 1, ½ − ½ cos(k π / 5).
-const NODES: [f64; 6] = [0.0, 0.095491502812526, 0.345491502812526, 0.654508497187474, 0.904508497187474, 1.0];
+pub const NODES: [f64; 6] = [0.0, 0.095491502812526, 0.345491502812526, 0.654508497187474, 0.904508497187474, 1.0];
 
 /// What is interpolated: [`glam::DVec2`], [`glam::DVec3`].
 pub trait Vector: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> + Sum {}
 
 impl<V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V> + Sum> Vector for V {}
+
+/// A quintic on 0 to 1, by its Bézier points.
+#[derive(Debug, Clone, Copy)]
+pub struct Quintic<V>([V; 6]);
+
+impl<V: Vector> Quintic<V> {
+    /// The one that has these values at [`NODES`].
+    pub fn through(values: [V; 6]) -> Self {
+        // About the first value, so that what is far from the origin keeps its digits.
+        let about = values[0];
+        let to_bezier = &*TO_BEZIER;
+        let inner = |i: usize| about + (0..=QUINTIC).map(|j| (values[j] - about) * to_bezier[i][j]).sum::<V>();
+        Self(std::array::from_fn(|i| if i % QUINTIC == 0 { values[i] } else { inner(i) }))
+    }
+
+    /// Its Bézier points.
+    pub fn points(&self) -> &[V; 6] {
+        &self.0
+    }
+
+    /// The value at `x`, by de Casteljau.
+    pub fn at(&self, x: f64) -> V {
+        let mut d = self.0;
+        for r in 1..=QUINTIC {
+            for i in 0..=QUINTIC - r {
+                d[i] = d[i] * (1.0 - x) + d[i + 1] * x;
+            }
+        }
+        d[0]
+    }
+}
+
+/// Places on 0 to 1 between the nodes, where a quintic is measured.
+pub fn between_nodes() -> impl Iterator<Item = f64> {
+    NODES.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]))
+}
 
 /// How far parts are halved.
 #[derive(Debug, Clone, Copy)]
@@ -47,17 +84,12 @@ pub fn quintics<V: Vector>(
     off: impl Fn(V, V) -> f64,
     Halving { tolerance, depth, parts }: Halving,
 ) -> Quintics<V> {
-    let to_bezier = to_bezier();
     let (mut knots, mut points, mut error) = (vec![breaks[0]; QUINTIC + 1], vec![], 0.0f64);
     let mut waiting: Vec<(f64, f64, u32)> = breaks.windows(2).rev().map(|w| (w[0], w[1], depth)).collect();
     while let Some((a, b, halvings)) = waiting.pop() {
         let values = NODES.map(|x| at(if x == 1.0 { b } else { a + (b - a) * x }));
-        // About the first value, so that what is far from the origin keeps its digits.
-        let about = values[0];
-        let control: [V; 6] =
-            std::array::from_fn(|i| about + (0..=QUINTIC).map(|j| (values[j] - about) * to_bezier[i][j]).sum::<V>());
-        let between = (0..QUINTIC).map(|k| 0.5 * (NODES[k] + NODES[k + 1]));
-        let worst = between.map(|x| off(bezier(&control, x), at(a + (b - a) * x))).fold(0.0, f64::max);
+        let own = Quintic::through(values);
+        let worst = between_nodes().map(|x| off(own.at(x), at(a + (b - a) * x))).fold(0.0, f64::max);
         let middle = 0.5 * (a + b);
         let room = knots.len() / QUINTIC + waiting.len() < parts;
         if tolerance < worst && 0 < halvings && room && a < middle && middle < b {
@@ -66,27 +98,16 @@ pub fn quintics<V: Vector>(
         }
         error = error.max(worst);
         points.pop();
-        points.push(values[0]);
-        points.extend(&control[1..QUINTIC]);
-        points.push(values[QUINTIC]);
+        points.extend(own.points());
         knots.extend([b; QUINTIC]);
     }
     knots.extend(knots.last().copied());
     Quintics { knots, points, error }
 }
 
-/// A Bézier curve's point, by de Casteljau.
-fn bezier<V: Vector>(control: &[V; 6], x: f64) -> V {
-    let mut d = *control;
-    for r in 1..=QUINTIC {
-        for i in 0..=QUINTIC - r {
-            d[i] = d[i] * (1.0 - x) + d[i + 1] * x;
-        }
-    }
-    d[0]
-}
-
 /// The matrix from values at [`NODES`] to Bézier points: the inverse of Bernstein's polynomials there.
+static TO_BEZIER: LazyLock<[[f64; 6]; 6]> = LazyLock::new(to_bezier);
+
 fn to_bezier() -> [[f64; 6]; 6] {
     const BINOMIAL: [f64; 6] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
     let basis = |x: f64, i: usize| BINOMIAL[i] * x.powi(i as i32) * (1.0 - x).powi((QUINTIC - i) as i32);
@@ -117,9 +138,8 @@ mod tests {
     fn a_quintic_is_interpolated_by_itself() {
         let control =
             [[0.0, 1.0], [2.0, -1.0], [0.5, 0.25], [3.0, 7.0], [-1.0, 0.0], [1.0, 1.0]].map(DVec2::from_array);
-        let values = NODES.map(|x| bezier(&control, x));
-        for (row, expected) in to_bezier().iter().zip(control) {
-            let found: DVec2 = row.iter().zip(values).map(|(m, v)| v * *m).sum();
+        let again = Quintic::through(NODES.map(|x| Quintic(control).at(x)));
+        for (found, expected) in again.points().iter().zip(control) {
             assert!(found.distance(expected) < 1e-13, "{found} {expected}");
         }
     }
@@ -127,9 +147,8 @@ mod tests {
     #[test]
     fn a_quintic_in_space_is_interpolated_by_itself() {
         let control: [DVec3; 6] = std::array::from_fn(|k| DVec3::new(k as f64, (k * k % 7) as f64, (k % 3) as f64));
-        let values = NODES.map(|x| bezier(&control, x));
-        for (row, expected) in to_bezier().iter().zip(control) {
-            let found: DVec3 = row.iter().zip(values).map(|(m, v)| v * *m).sum();
+        let again = Quintic::through(NODES.map(|x| Quintic(control).at(x)));
+        for (found, expected) in again.points().iter().zip(control) {
             assert!(found.distance(expected) < 1e-12, "{found} {expected}");
         }
     }

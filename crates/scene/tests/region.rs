@@ -606,6 +606,22 @@ fn hundreds_of_loops_that_coincide_take_no_time_by_the_square() {
     assert!((region.unwrap().area() - (100.0 - 10.0 * PI)).abs() < 1e-9);
 }
 
+/// Holes that touch a seam meet it thousands of times: they are looked at once each, and not once for each other one.
+#[test]
+fn holes_that_touch_a_seam_cost_no_more_than_others() {
+    const HOLES: usize = 4000;
+    let (side, height) = (0.3 / HOLES as f64, 1.0 / (HOLES + 1) as f64);
+    let hole = |k: usize| {
+        let v = (k + 1) as f64 * height;
+        polygon(false, &[(0.0, v), (0.4, v + side), (0.8, v), (0.4, v - side)])
+    };
+    let outer = polygon(true, &[(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (0.0, 1.0)]);
+    let start = std::time::Instant::now();
+    let region = build(&cylinder(), [outer].into_iter().chain((0..HOLES).map(hole)).collect()).unwrap();
+    assert!(start.elapsed().as_secs_f64() < 6.0, "{:?}", start.elapsed());
+    assert!((region.area() - (4.0 - HOLES as f64 * 0.8 * side)).abs() < 1e-9, "{}", region.area());
+}
+
 #[test]
 fn models_keep_regions_and_their_hash_knows_loops() {
     let model = |loops| Model::new("m", vec![plane(10.0)], vec![Face { loops, ..Face::whole(0) }]);

@@ -247,7 +247,8 @@ impl<'m> Sheet<'m> {
             None => {}
         }
         let Some((boundary, trim)) = trim else {
-            return if !piece.on_border && self.is_point(&piece.curve) { Kind::Point } else { Kind::Free };
+            // What closes a gap, also where the trims beside it run along the border of the domain.
+            return if self.is_point(&piece.curve) { Kind::Point } else { Kind::Free };
         };
         let own = &self.model.faces()[self.id.0 as usize].loops[boundary].trims[trim];
         match own.edge {

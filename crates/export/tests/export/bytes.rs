@@ -62,7 +62,7 @@ fn an_obj_says_all_digits_and_each_edge_twice() {
 }
 
 /// Header, JSON and binary chunk as the glTF 2.0 specification lays them out (section 4, Binary glTF).
-fn glb(bytes: &[u8]) -> (Value, &[u8]) {
+pub fn glb(bytes: &[u8]) -> (Value, &[u8]) {
     assert_eq!((&bytes[..4], word(bytes, 4), word(bytes, 8) as usize), (b"glTF".as_slice(), 2, bytes.len()));
     let length = word(bytes, 12) as usize;
     assert_eq!((length % 4, &bytes[16..20]), (0, b"JSON".as_slice()));

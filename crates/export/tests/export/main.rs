@@ -1,10 +1,11 @@
 //! What is written, read again: by the project's own readers, and byte by byte.
 
 mod bytes;
+mod looks;
 mod meshes;
 mod round_trip;
 
-use export::{Asked, ExportError, Ready, WRITERS, Written};
+use export::{Asked, Beside, ExportError, Ready, WRITERS, Written};
 use formats::Document;
 use scene::Model;
 use std::path::{Path, PathBuf};
@@ -24,10 +25,21 @@ fn document(name: &str) -> Document {
 
 fn write(document: &Document, extension: &str, error: f64) -> Result<(Vec<u8>, Written), ExportError> {
     let writer = WRITERS.iter().find(|writer| writer.extensions().contains(&extension)).expect("a writer");
-    let Ready { written, fill } = writer.prepare(document, Asked { error, progress: &|_| {} })?;
+    let Ready { written, fill, .. } = writer.prepare("part", document, Asked { error, progress: &|_| {} })?;
     let mut bytes = vec![];
     fill(&mut bytes)?;
     Ok((bytes, written))
+}
+
+/// The name and the bytes of the file that is written beside; `None` where there is none.
+fn beside(document: &Document, extension: &str, error: f64) -> Option<(String, Vec<u8>)> {
+    let writer = WRITERS.iter().find(|writer| writer.extensions().contains(&extension)).expect("a writer");
+    let ready = writer.prepare("part", document, Asked { error, progress: &|_| {} }).expect("ready");
+    ready.beside.map(|Beside { name, fill }| {
+        let mut bytes = vec![];
+        fill(&mut bytes).expect("written");
+        (name, bytes)
+    })
 }
 
 /// A thousandth of the model's size.

@@ -4,8 +4,8 @@ use crate::{document, random, root, usual, write};
 use export::ExportError;
 use export::mesh::{GREATEST_TRIANGLES, Mesh, mesh};
 use glam::{DVec2, DVec3};
-use nurbs::Projector;
-use scene::{FaceId, Model};
+use nurbs::{KnotVector, Projector, Surface};
+use scene::{Face, FaceId, Loop, Model, Trim};
 use serde_json::Value;
 use std::f64::consts::PI;
 
@@ -187,6 +187,33 @@ fn borders_without_names_are_counted_open() {
     let shared: Vec<_> = shared.collect();
     assert!(4 < shared[0].intersection(&shared[1]).count(), "an edge with a name has its points once");
     assert!(pair.facts.moved < 1e-5, "{:?}", pair.facts);
+}
+
+/// Two squares side by side, with a gap in the first one's loop where it runs along the border of its domain, at the end of the
+/// edge that they share: it is a point, and the neighbour's corner is the same.
+#[test]
+fn a_gap_on_the_border_of_the_domain_opens_no_edge() {
+    let model = |gap: f64| {
+        let line = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).expect("knots");
+        let square = |y: f64| {
+            let points = [[0.0, y], [0.0, y + 1.0], [1.0, y], [1.0, y + 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+            Surface::new(line.clone(), line.clone(), points.to_vec(), None).expect("a surface")
+        };
+        let face = |surface: usize, edges: [i64; 4], gap: f64| {
+            let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(DVec2::from_array);
+            let trim = |k: usize| {
+                let end = corners[(k + 1) % 4] - if k == 0 { DVec2::new(gap, 0.0) } else { DVec2::ZERO };
+                Trim { edge: Some(edges[k]), ..Trim::new(line.clone(), vec![corners[k], end], None) }
+            };
+            let boundary = Loop { outer: true, trims: (0..4).map(trim).collect() };
+            Face { tolerance: 1e-4, loops: vec![boundary], ..Face::whole(surface) }
+        };
+        let faces = vec![face(0, [0, 1, 2, 3], gap), face(1, [4, 5, 0, 6], 0.0)];
+        Model::new("two", vec![square(0.0), square(-1.0)], faces).expect("a model")
+    };
+    let [whole, gapped] = [0.0, 1e-6].map(|gap| meshed(&model(gap), 0.1).facts);
+    assert_eq!((gapped.open, gapped.euler), (whole.open, 1), "{gapped:?}");
+    assert!(0 < whole.open && whole.non_manifold == 0, "{whole:?}");
 }
 
 /// Corners' normals are those of the faces: on the side that the triangles are seen from.

@@ -83,6 +83,18 @@ impl Curve {
         }
     }
 
+    /// Its derivative by the parameter.
+    pub fn tangent(&self, t: f64) -> DVec3 {
+        let turned = |frame: &Frame, x: f64, y: f64| frame.x * x + frame.y * y;
+        match self {
+            Self::Line { direction, .. } => *direction,
+            Self::Ellipse { frame, radii } => turned(frame, -radii.x * libm::sin(t), radii.y * libm::cos(t)),
+            Self::Parabola { frame, focal } => turned(frame, 2.0 * focal * t, 2.0 * focal),
+            Self::Hyperbola { frame, radii } => turned(frame, radii.x * t.sinh(), radii.y * t.cosh()),
+            Self::Spline { spline, .. } => spline.first_derivative(t)[1],
+        }
+    }
+
     /// After which parameter it comes back to where it was.
     pub fn period(&self) -> Option<f64> {
         match self {

@@ -2,6 +2,7 @@
 //! that they need as a spline, and trims on it.
 
 use super::closed::Closed;
+use super::fit::fitting;
 use super::inverse::Inverter;
 use super::patch::Patch;
 use super::rectangle::rectangle;
@@ -9,11 +10,6 @@ use super::shape::Shape;
 use super::source::{FaceError, Found, Made, Source};
 use glam::DVec2;
 use scene::{Face, Loop};
-
-/// A trim is fitted to this share of the file's tolerance, and not coarser or finer than these shares of the face's size.
-const FIT: f64 = 0.01;
-const COARSEST_FIT: f64 = 1e-8;
-const FINEST_FIT: f64 = 1e-10;
 
 /// Edges farther from their surface than this many tolerances, and than this share of the face's size, are not its own.
 const OFF_TOLERANCES: f64 = 100.0;
@@ -29,9 +25,9 @@ const ALONG: f64 = 1.01;
 /// are not usable.
 pub(crate) fn make(source: &Source) -> Result<Made, FaceError> {
     let size = size(source);
-    let tolerance = (FIT * source.tolerance).clamp(FINEST_FIT * size, COARSEST_FIT * size);
+    let tolerance = fitting(source.tolerance, size);
     let inverter = Inverter::new(&source.shape, size);
-    let mut found = Found::default();
+    let mut found = Found { off: source.off, ..Found::default() };
     let mut loops = vec![];
     for bound in source.bounds.iter().filter(|bound| !bound.uses.is_empty()) {
         loops.push(Closed::new(source, bound, &inverter, tolerance, &mut found)?);

@@ -13,6 +13,16 @@ const HALVINGS: u32 = 12;
 /// The most parts of one path.
 const MOST_PARTS: usize = 4096;
 
+/// What is fitted is fitted to this share of the file's tolerance, and not coarser or finer than these shares of its size.
+const FIT: f64 = 0.01;
+const COARSEST_FIT: f64 = 1e-8;
+const FINEST_FIT: f64 = 1e-10;
+
+/// The distance within which what has that size is fitted in a file of that tolerance.
+pub(crate) fn fitting(tolerance: f64, size: f64) -> f64 {
+    (FIT * tolerance).clamp(FINEST_FIT * size, COARSEST_FIT * size)
+}
+
 /// A trim, and how far from the path it was found to be, model units.
 pub(crate) struct Fitted {
     pub trim: Trim,

@@ -75,29 +75,6 @@ impl Shape {
         Self::Spline { surface, closed }
     }
 
-    /// The surface at a distance along S_u × S_v, with the same parameters; `None` where that is no surface of these kinds.
-    pub fn offset(&self, distance: f64) -> Option<Self> {
-        match self {
-            Self::Plane(frame) => Some(Self::Plane(Frame { origin: frame.origin + frame.z * distance, ..*frame })),
-            Self::Revolved { frame, profile: Profile::Line { radius, slope } } => {
-                // The normal is across the line, outward: (cos φ, −sin φ) for slope tan φ.
-                let [sin, cos] = [slope / slope.hypot(1.0), slope.hypot(1.0).recip()];
-                let frame = Frame { origin: frame.origin - frame.z * (distance * sin), ..*frame };
-                let radius = radius + distance * cos;
-                let profile = Profile::Line { radius, slope: *slope };
-                (0.0 < radius || *slope != 0.0).then_some(Self::Revolved { frame, profile })
-            }
-            Self::Revolved { frame, profile: Profile::Arc { major, minor, is_closed, .. } }
-                if *is_closed || *major == 0.0 =>
-            {
-                let minor = minor + distance;
-                let profile = if *is_closed { Profile::torus(*major, minor, true) } else { Profile::sphere(minor) };
-                (0.0 < minor && (minor < *major || !is_closed)).then_some(Self::Revolved { frame: *frame, profile })
-            }
-            _ => None,
-        }
-    }
-
     /// The surface elsewhere, with the parameters of each point but for lengths along lines and profiles; `None` where a
     /// mirrored one is no surface of these kinds.
     ///
@@ -219,27 +196,3 @@ impl Shape {
 
 /// At how many places two sides of a spline are compared.
 const CLOSED_SAMPLES: usize = 16;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_offset_is_that_far_along_the_normal() {
-        let frame = Frame::new(DVec3::new(1.0, 2.0, 3.0), Some(DVec3::new(1.0, 1.0, 2.0)), Some(DVec3::Y)).unwrap();
-        let revolved = |profile| Shape::Revolved { frame, profile };
-        let line = |radius, slope| revolved(Profile::Line { radius, slope });
-        let round = [Profile::sphere(2.0), Profile::torus(3.0, 1.0, true)].map(revolved);
-        for shape in [Shape::Plane(frame), line(2.0, 0.0), line(2.0, -0.5)].iter().chain(&round) {
-            let offset = shape.offset(0.25).unwrap();
-            for k in 0..50 {
-                let uv = DVec2::new(0.1 + 0.1 * f64::from(k), -0.9 + 0.03 * f64::from(k));
-                let d = |du: f64, dv: f64| shape.point(uv + DVec2::new(du, dv));
-                const H: f64 = 1e-5;
-                let normal = (d(H, 0.0) - d(-H, 0.0)).cross(d(0.0, H) - d(0.0, -H)).normalize();
-                let expected = shape.point(uv) + 0.25 * normal;
-                assert!(offset.point(uv).distance(expected) < 1e-9, "{shape:?} {uv}");
-            }
-        }
-    }
-}

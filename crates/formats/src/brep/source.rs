@@ -16,6 +16,9 @@ pub(crate) struct Source {
     pub bounds: Vec<Bound>,
     /// The file's tolerance, model units.
     pub tolerance: f64,
+    /// How far the shape, or a curve of an edge, was measured to be from what the file says, model units: offsets of splines
+    /// are none.
+    pub off: f64,
 }
 
 /// A loop as a reader found it.
@@ -66,6 +69,8 @@ pub(crate) struct Found {
     pub error: f64,
     /// How far any edge was measured to be from the surface, model units.
     pub gap: f64,
+    /// How far the surface, or a curve of an edge, was measured to be from what the file says, model units.
+    pub off: f64,
     /// How far any vertex is from an edge that ends in it, where that is above the file's tolerance, model units.
     pub vertex: f64,
 }

@@ -9,6 +9,9 @@ use crate::place::Place;
 pub(crate) struct Total {
     faces: usize,
     first: Option<u64>,
+    /// Faces of which a shape or a curve is not quite the file's: how many, and the first.
+    beside: usize,
+    first_beside: Option<u64>,
     /// A face with the vertex that is farthest from its edges.
     vertex: Option<u64>,
     found: Found,
@@ -20,6 +23,11 @@ impl Total {
             self.faces += 1;
             self.first.get_or_insert(face);
         }
+        if 0.0 < found.off {
+            self.beside += 1;
+            self.first_beside.get_or_insert(face);
+        }
+        self.found.off = self.found.off.max(found.off);
         self.found.projected += found.projected;
         self.found.error = self.found.error.max(found.error);
         self.found.gap = self.found.gap.max(found.gap);
@@ -39,10 +47,16 @@ impl Total {
         );
         let edges = self.first.map(|face| Note { kind: NoteKind::Approximated, place: place(face), text });
         let text = format!(
+            "{} faces, this one the first, are on offsets of splines, or within such curves: these are followed within {:.1e} {unit}, \
+             as measured",
+            self.beside, self.found.off
+        );
+        let beside = self.first_beside.map(|face| Note { kind: NoteKind::Approximated, place: place(face), text });
+        let text = format!(
             "vertices are up to {:.1e} {unit} from their edges, at this face; gaps there are closed, above the file's tolerance",
             self.found.vertex
         );
         let vertex = self.vertex.map(|face| Note { kind: NoteKind::Healed, place: place(face), text });
-        edges.into_iter().chain(vertex)
+        edges.into_iter().chain(beside).chain(vertex)
     }
 }

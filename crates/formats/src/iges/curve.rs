@@ -5,8 +5,10 @@ use super::entities::Entity;
 use super::fault::{Fault, fault};
 use super::geometry::{DEEPEST, Geometry, moved_frame};
 use super::spline::{cubic_curve, spline_curve};
+use super::value::Parameters;
 use crate::brep::curve::Curve;
 use crate::brep::frame::{Frame, Motion};
+use crate::brep::parallel::{Ramp, sideways};
 use crate::brep::path::Piece;
 use crate::spline::Spline;
 use glam::{DAffine2, DVec2, DVec3};
@@ -49,7 +51,7 @@ fn pieces_within(geometry: &Geometry, number: u32, space: Space, depth: usize) -
         }
         pieces
     } else {
-        vec![single(geometry, &entity)?]
+        vec![single(geometry, &entity, depth)?]
     };
     geometry.spend(number, pieces.len())?;
     if space == Space::Model && entity.entry.matrix != 0 {
@@ -67,7 +69,7 @@ fn pieces_within(geometry: &Geometry, number: u32, space: Space, depth: usize) -
 }
 
 /// A curve of one piece, without its matrix.
-fn single(geometry: &Geometry, entity: &Entity) -> Result<Piece, Fault> {
+fn single(geometry: &Geometry, entity: &Entity, depth: usize) -> Result<Piece, Fault> {
     let own = entity.parameters();
     let number = entity.entry.number;
     let wrong = |cause: NurbsError| fault(number, cause.to_string());
@@ -107,16 +109,50 @@ fn single(geometry: &Geometry, entity: &Entity) -> Result<Piece, Fault> {
         110 => {
             let v = own.numbers(1, 6)?;
             let (start, end) = (DVec3::from_slice(&v), DVec3::from_slice(&v[3..]));
-            if entity.entry.form != 0 {
-                return Err(fault(number, "the line has no end"));
+            match entity.entry.form {
+                0 => {}
+                1 => return Err(fault(number, "it is half a line (form 1), which has no end")),
+                form => return Err(fault(number, format!("it is a whole line (form {form}), which has no ends"))),
             }
             Ok(Piece { curve: Curve::Line { origin: start, direction: end - start }, range: [0.0, 1.0] })
         }
         112 => cubic_curve(geometry, own),
         126 => spline_curve(geometry, own),
-        130 => Err(fault(number, "offset curves are not read")),
+        130 => beside(geometry, own, depth),
         kind => Err(fault(number, format!("curves of type {kind} are not read"))),
     }
+}
+
+/// A curve (130) beside another, at a distance that is even, or changes evenly with the parameter.
+fn beside(geometry: &Geometry, own: Parameters, depth: usize) -> Result<Piece, Fault> {
+    let base = own.pointer(1)?;
+    let Piece { curve, range: [a, b] } = whole_within(geometry, base, depth + 1)?;
+    // The file counts a composite's parameter from 0, and an arc's angle from 0 to a whole turn.
+    let [start, end] = [own.number(13)?, own.number(14)?];
+    let shift = match curve {
+        Curve::Ellipse { .. } => ((a - start) / TAU).round() * TAU,
+        _ if geometry.get(base)?.entry.kind == 102 => a,
+        _ => 0.0,
+    };
+    let slack = JOINT * (b - a);
+    let [start, end] = [start + shift, end + shift];
+    if !(a - slack <= start && start < end && end <= b + slack) {
+        return Err(fault(own.number, format!("it runs from {start} to {end}, and its curve from {a} to {b}")));
+    }
+    let distance = own.number(6)?;
+    let ramp = match (own.whole(2)?, own.whole(5)?) {
+        (1, _) => Ramp::even(distance),
+        (2, 2) => {
+            let v = own.numbers(7, 3)?;
+            let slope = (v[1] - distance) / (v[2] - v[0]);
+            Ramp { start: distance - slope * (v[0] + shift), slope }
+        }
+        (2, _) => return Err(fault(own.number, "offsets that change with the arc's length are not read")),
+        _ => return Err(fault(own.number, "offsets by a function are not read")),
+    };
+    let reference = DVec3::from_slice(&own.numbers(10, 3)?);
+    let curve = geometry.beside(own.number, sideways(&curve, reference, ramp, geometry.tolerance))?;
+    Ok(Piece { curve, range: [start.max(a), end.min(b)] })
 }
 
 /// A circle's part from `start` to `end`, counter-clockwise; a whole one where they are the same.
@@ -227,9 +263,21 @@ pub(super) fn space_curve(spline: &Spline) -> Result<SpaceCurve, NurbsError> {
     )
 }
 
+/// Two points of a line, which may be endless.
+pub(super) fn axis(geometry: &Geometry, number: u32) -> Result<[DVec3; 2], Fault> {
+    let entity = geometry.get_of(number, 110, "an axis")?;
+    let (own, motion) = (entity.parameters(), geometry.motion(entity.entry.matrix)?);
+    let v = own.numbers(1, 6)?;
+    Ok([&v[..3], &v[3..]].map(|p| motion.point(DVec3::from_slice(p))))
+}
+
 /// A curve of one piece: a composite is joined to one spline.
 pub(super) fn whole(geometry: &Geometry, number: u32) -> Result<Piece, Fault> {
-    let mut pieces = pieces(geometry, number, Space::Model)?;
+    whole_within(geometry, number, 0)
+}
+
+fn whole_within(geometry: &Geometry, number: u32, depth: usize) -> Result<Piece, Fault> {
+    let mut pieces = pieces_within(geometry, number, Space::Model, depth)?;
     if pieces.len() == 1 {
         return Ok(pieces.remove(0));
     }

@@ -3,6 +3,7 @@
 use super::entities::{Entities, Entity};
 use super::fault::{Fault, fault};
 use crate::brep::frame::{Frame, Motion};
+use crate::brep::parallel::{Offset, OffsetError};
 use glam::DVec3;
 use std::cell::Cell;
 
@@ -18,6 +19,8 @@ pub(super) struct Geometry<'f, 'b> {
     pub entities: &'f Entities<'b>,
     /// Points nearer to each other than this are one, model units.
     pub tolerance: f64,
+    /// How far anything that was made is from what the file says, at most, as measured, model units.
+    pub off: &'f Cell<f64>,
     /// How many control points and edges may still be made.
     pub work: &'f Cell<usize>,
 }
@@ -44,6 +47,13 @@ impl Geometry<'_, '_> {
         self.work.set(left.unwrap_or(0));
         left.map(|_| ())
             .ok_or_else(|| fault(number, "the file names its curves and surfaces so often that no more are made"))
+    }
+
+    /// What stands at a distance from something; how far it is off is kept.
+    pub fn beside<T>(&self, number: u32, offset: Result<Offset<T>, OffsetError>) -> Result<T, Fault> {
+        let Offset { made, off } = offset.map_err(|cause| fault(number, cause.to_string()))?;
+        self.off.set(self.off.get().max(off));
+        Ok(made)
     }
 
     /// A point (116), moved by its matrix.

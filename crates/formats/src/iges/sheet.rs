@@ -1,6 +1,6 @@
 //! Surfaces of the file with the way from its own parameters to those of their shapes.
 
-use super::curve::{mapped, moved, whole};
+use super::curve::{axis, mapped, moved, whole};
 use super::entities::Entity;
 use super::fault::{Fault, fault};
 use super::geometry::{DEEPEST, Geometry, moved_frame};
@@ -9,6 +9,7 @@ use super::spline::{cubic_surface, spline_surface};
 use super::value::Parameters;
 use crate::brep::curve::Curve;
 use crate::brep::frame::{Frame, Motion};
+use crate::brep::offset::{IN_VAIN, cost};
 use crate::brep::path::{Piece, Use};
 use crate::brep::shape::{Profile, Shape};
 use crate::brep::source::Bound;
@@ -184,13 +185,9 @@ fn own(geometry: &Geometry, entity: &Entity) -> Result<Sheet, Fault> {
 
 /// A surface of revolution (120): in the file the curve's parameter comes first, and the angle after it.
 fn revolution(geometry: &Geometry, own: Parameters) -> Result<Sheet, Fault> {
-    let axis = whole(geometry, own.pointer(1)?)?;
+    let [from, to] = axis(geometry, own.pointer(1)?)?;
     let piece = whole(geometry, own.pointer(2)?)?;
     let (start, end) = (own.number(3)?, own.number(4)?);
-    let (from, to) = (axis.point(0.0), axis.point(1.0));
-    if !matches!(axis.curve, Curve::Line { .. }) {
-        return Err(fault(own.number, "its axis is no line"));
-    }
     if !(start < end && end - start <= TAU * (1.0 + POINT)) {
         return Err(fault(own.number, format!("it turns from {start} to {end}")));
     }
@@ -234,7 +231,7 @@ fn cylinder(geometry: &Geometry, own: Parameters) -> Result<Sheet, Fault> {
     Ok(Sheet { shape: Shape::Extruded { curve, vector }, map: Some(map), ends: Some(ends), remark: None })
 }
 
-/// An offset surface (140) of a kind whose offset is of the same kind.
+/// An offset surface (140).
 fn offset(geometry: &Geometry, own: Parameters, depth: usize) -> Result<Sheet, Fault> {
     let indicator = DVec3::from_slice(&own.numbers(1, 3)?);
     let distance = own.number(4)?;
@@ -248,9 +245,12 @@ fn offset(geometry: &Geometry, own: Parameters, depth: usize) -> Result<Sheet, F
     let d = |du: f64, dv: f64| sheet.shape.point(DVec2::new(u + du, v + dv));
     let normal = (d(STEP, 0.0) - d(-STEP, 0.0)).cross(d(0.0, STEP) - d(0.0, -STEP));
     let distance = if normal.dot(indicator) < 0.0 { -distance } else { distance };
-    let shape = sheet.shape.offset(distance);
-    let shape = shape.ok_or_else(|| fault(own.number, "the offset of a surface of this kind is not read"))?;
-    Ok(Sheet { shape, ..sheet })
+    geometry.spend(own.number, cost(&sheet.shape))?;
+    let offset = crate::brep::offset::offset(&sheet.shape, distance, geometry.tolerance);
+    if offset.is_err() {
+        geometry.spend(own.number, IN_VAIN)?;
+    }
+    Ok(Sheet { shape: geometry.beside(own.number, offset)?, ..sheet })
 }
 
 /// Planes, cylinders, cones, spheres and tori (190 to 198); their angles are degrees.

@@ -60,7 +60,13 @@ impl<'g, 'f, 'b> Faces<'g, 'f, 'b> {
 
     fn source(&self, sheet: Sheet, bounds: Vec<Bound>, motion: Motion) -> Read {
         let same_sense = sheet.has_own_normal();
-        let source = Source { shape: sheet.shape, same_sense, bounds, tolerance: self.geometry.tolerance };
+        let source = Source {
+            shape: sheet.shape,
+            same_sense,
+            bounds,
+            tolerance: self.geometry.tolerance,
+            off: self.geometry.off.take(),
+        };
         Read { source, motion, remark: sheet.remark }
     }
 

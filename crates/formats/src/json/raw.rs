@@ -424,10 +424,23 @@ object! {
         }
         optional {
             name: String,
+            unit: RawUnit,
             knot_convention: Convention,
             faces: Vec<RawFace>,
         }
         ignored { view, meta, }
+    }
+}
+
+object! {
+    /// A unit of length.
+    RawUnit {
+        required {
+            name: String,
+            millimetres: f64,
+        }
+        optional {}
+        ignored {}
     }
 }
 
@@ -458,6 +471,9 @@ object! {
             surface: Count,
         }
         optional {
+            name: String,
+            colour: String,
+            kind: String,
             reversed: bool,
             tolerance: f64,
             edge_tolerance: f64,

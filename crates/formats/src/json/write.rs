@@ -2,6 +2,8 @@
 
 use super::check_face;
 use super::raw::{FORMAT, VERSION};
+use super::said::{attributes_text, unit_text};
+use crate::document::{Attributes, Document, Unit};
 use crate::error::FormatError;
 use crate::member::Member;
 use nurbs::{Direction, KnotVector, Surface};
@@ -11,19 +13,36 @@ use std::fmt::Display;
 /// The model as JSON text, ending in a newline. [`super::parse`] returns an equal model, bit for bit.
 ///
 /// # Errors
+/// As [`write_document`].
+pub fn write(model: &Model) -> Result<String, FormatError> {
+    text(model, None, &[])
+}
+
+/// The document as JSON text, ending in a newline: the model with its unit, and the names, colours and kinds of its faces.
+/// [`super::document`] returns an equal one, bit for bit, but for the notes on how the file was read.
+///
+/// # Errors
 /// [`Cause::Value`](crate::Cause::Value) and [`Cause::Count`](crate::Cause::Count), with the model's name for the file, where a face's tolerance or
 /// trim curves hold what could not be read back; models that were read never do.
-pub fn write(model: &Model) -> Result<String, FormatError> {
+pub fn write_document(document: &Document) -> Result<String, FormatError> {
+    text(&document.model, document.unit.as_ref(), &document.attributes)
+}
+
+/// `attributes` may be fewer than the faces.
+fn text(model: &Model, unit: Option<&Unit>, attributes: &[Attributes]) -> Result<String, FormatError> {
     let place = Member::document(model.name()).key("faces");
     for (i, face) in model.faces().iter().enumerate() {
         check_face(face, &place.index(i))?;
     }
     let surfaces = model.surfaces().iter().map(surface_text).collect::<Vec<_>>().join(",\n");
-    let faces = model.faces().iter().map(face_text).collect::<Vec<_>>().join(",\n");
+    let said = attributes.iter().map(attributes_text).chain(std::iter::repeat(String::new()));
+    let faces =
+        model.faces().iter().zip(said).map(|(face, said)| face_text(face, &said)).collect::<Vec<_>>().join(",\n");
     Ok(format!(
-        "{{\"format\":\"{FORMAT}\",\"version\":{VERSION},\"name\":{name},\n\"surfaces\":[\n{surfaces}\n],\n\
+        "{{\"format\":\"{FORMAT}\",\"version\":{VERSION},\"name\":{name}{unit},\n\"surfaces\":[\n{surfaces}\n],\n\
          \"faces\":[\n{faces}\n]}}\n",
         name = serde_json::Value::from(model.name()),
+        unit = unit_text(unit),
     ))
 }
 
@@ -62,9 +81,10 @@ fn surface_text(surface: &Surface) -> String {
     )
 }
 
-fn face_text(face: &Face) -> String {
+/// `said` stands before the loops.
+fn face_text(face: &Face, said: &str) -> String {
     format!(
-        "{{\"surface\":{},\"reversed\":{},\"tolerance\":{},\"loops\":[{}]}}",
+        "{{\"surface\":{}{said},\"reversed\":{},\"tolerance\":{},\"loops\":[{}]}}",
         face.surface,
         face.reversed,
         number(face.tolerance),

@@ -6,6 +6,7 @@
 //! not looked at. All numbers are little-endian. Every length and count is checked against the bytes that are there
 //! before anything is kept.
 
+use crate::document::Colour;
 use glam::DVec3;
 use std::fmt;
 
@@ -39,10 +40,12 @@ impl fmt::Display for Uuid {
 /// Type codes (openNURBS, `opennurbs_3dm.h`).
 pub(super) mod code {
     pub const SETTINGS_TABLE: u32 = 0x1000_0015;
+    pub const MATERIAL_TABLE: u32 = 0x1000_0010;
     pub const LAYER_TABLE: u32 = 0x1000_0011;
     pub const INSTANCE_DEFINITION_TABLE: u32 = 0x1000_0021;
     pub const OBJECT_TABLE: u32 = 0x1000_0013;
     pub const UNITS_AND_TOLERANCES: u32 = 0x2000_8031;
+    pub const MATERIAL_RECORD: u32 = 0x2000_8040;
     pub const LAYER_RECORD: u32 = 0x2000_8050;
     pub const INSTANCE_DEFINITION_RECORD: u32 = 0x2000_8076;
     pub const OBJECT_RECORD: u32 = 0x2000_8070;
@@ -183,6 +186,12 @@ impl<'a> Cursor<'a> {
         let count = self.count(2)?;
         let units: Vec<u16> = self.skip(2 * count)?.chunks(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
         Ok(String::from_utf16_lossy(units.strip_suffix(&[0]).unwrap_or(&units)))
+    }
+
+    /// A colour: red, green, blue, and how transparent it is, which is read over.
+    pub fn colour(&mut self) -> Result<Colour, Fault> {
+        let [red, green, blue, _] = self.array()?;
+        Ok(Colour([red, green, blue]))
     }
 
     /// The version of a class's data, packed into a byte; another major version than `major` is a fault.

@@ -1,6 +1,7 @@
 //! Objects as they are drawn: each visible one in its place, those of blocks wherever a reference places them.
 
 use super::archive::{Cursor, Fault, Uuid};
+use super::attributes::Look;
 use super::body::{Body, Placement};
 use super::brep;
 use super::class::Class;
@@ -106,8 +107,8 @@ impl Assembly<'_, '_> {
         self.note(NoteKind::LeftOut, k, self.tables.records[k].at, text);
     }
 
-    /// Draws the object of record `k`, where it is visible; `parent` is the colour of the reference that places it.
-    fn draw(&mut self, k: usize, placement: &Placement, parent: Option<Colour>, depth: usize) {
+    /// Draws the object of record `k`, where it is visible; `parent` is how the reference is drawn that places it.
+    fn draw(&mut self, k: usize, placement: &Placement, parent: Option<Look>, depth: usize) {
         let record = &self.tables.records[k];
         if record.attributes.is_hidden {
             return self.leave_out(k, "it is hidden");
@@ -118,9 +119,9 @@ impl Assembly<'_, '_> {
         if record.attributes.is_on_page {
             return self.leave_out(k, "it is on a page, not in space");
         }
-        let colour = self.tables.colour(&record.attributes, parent);
+        let look = self.tables.look(&record.attributes, parent);
         if record.object.class == Class::InstanceReference {
-            return self.place(k, placement, colour, depth);
+            return self.place(k, placement, look, depth);
         }
         let is_new = !self.bodies.contains_key(&k);
         let body = match self.bodies.get(&k) {
@@ -137,7 +138,7 @@ impl Assembly<'_, '_> {
                         self.bodies.insert(k, body.clone());
                     }
                 }
-                self.add(k, body, placement, colour);
+                self.add(k, body, placement, look.colour);
             }
             Err(fault) => {
                 // Said once, however often the object is placed.
@@ -150,7 +151,7 @@ impl Assembly<'_, '_> {
     }
 
     /// Draws the objects of the block that a reference places.
-    fn place(&mut self, k: usize, placement: &Placement, colour: Option<Colour>, depth: usize) {
+    fn place(&mut self, k: usize, placement: &Placement, look: Look, depth: usize) {
         let record = &self.tables.records[k];
         let (block, own) = match reference(&mut record.object.data.clone()) {
             Ok(found) => found,
@@ -173,7 +174,7 @@ impl Assembly<'_, '_> {
             }
             self.placed += 1;
             match self.records.get(id) {
-                Some(part) => self.draw(*part, &placement, colour, depth + 1),
+                Some(part) => self.draw(*part, &placement, Some(look), depth + 1),
                 None => self.leave_out(k, &format!("its block \"{}\" has no object {id}", shorten(&block.name))),
             }
         }

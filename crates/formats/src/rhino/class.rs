@@ -20,6 +20,7 @@ pub(super) enum Class {
     InstanceReference,
     InstanceDefinition,
     Layer,
+    Material,
     /// One that is not read.
     Other(&'static str),
 }
@@ -50,6 +51,7 @@ const CLASSES: &[(u128, Class)] = &[
     (0xf9cfb638_b9d4_4340_87e3_c56e7865d96a, Class::InstanceReference),
     (0x26f8bff6_2618_417f_a158_153d64a94989, Class::InstanceDefinition),
     (0x95809813_e985_11d3_bfe5_0010830122f0, Class::Layer),
+    (0x60b5dbbc_e660_11d3_bfe4_0010830122f0, Class::Material),
     (0x4ed7d4d8_e947_11d3_bfe5_0010830122f0, Class::Other("ON_CurveOnSurface")),
     (0x4ed7d4d9_e947_11d3_bfe5_0010830122f0, Class::Other("ON_CurveProxy")),
     (0x4ed7d4e2_e947_11d3_bfe5_0010830122f0, Class::Other("ON_SurfaceProxy")),
@@ -81,6 +83,7 @@ impl Class {
             Self::InstanceReference => "ON_InstanceRef",
             Self::InstanceDefinition => "ON_InstanceDefinition",
             Self::Layer => "ON_Layer",
+            Self::Material => "ON_Material",
             Self::Other(name) => name,
         }
     }

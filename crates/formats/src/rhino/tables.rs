@@ -1,8 +1,10 @@
-//! The tables of an archive: settings, layers, blocks, objects. What cannot be read of a table costs that entry.
+//! The tables of an archive: settings, materials, layers, blocks, objects. What cannot be read of a table costs that entry.
 
 use super::archive::{Cursor, Fault, Uuid, code};
+use super::attributes::{Attributes, Look, colour_source, material_source};
 use super::body::Remark;
 use super::class::{Class, Object};
+use super::material::Material;
 use crate::document::{Colour, NoteKind, Unit};
 use std::collections::HashMap;
 
@@ -12,6 +14,7 @@ pub(super) struct Tables<'a> {
     pub unit: Option<Unit>,
     /// How far apart the modeller takes two points for one, in that unit; 0 where it is not said.
     pub tolerance: f64,
+    materials: HashMap<i32, Colour>,
     pub layers: Vec<Layer>,
     pub blocks: HashMap<Uuid, Block>,
     pub records: Vec<Record<'a>>,
@@ -25,6 +28,7 @@ pub(super) struct Layer {
     pub name: String,
     is_hidden: bool,
     colour: Colour,
+    material: i32,
     id: Uuid,
     parent: Uuid,
 }
@@ -43,36 +47,6 @@ pub(super) struct Record<'a> {
     pub at: usize,
     pub object: Object<'a>,
     pub attributes: Attributes,
-}
-
-/// What an object says of itself beside its shape.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Attributes {
-    pub id: Option<Uuid>,
-    pub name: String,
-    layer: i32,
-    pub is_hidden: bool,
-    /// Whether it is a part of a block, and not drawn where it is.
-    pub is_in_block: bool,
-    /// Whether it is on a page of a layout, not in space.
-    pub is_on_page: bool,
-    /// Its own colour; whether that counts, its source says.
-    colour: Option<Colour>,
-    colour_source: u8,
-}
-
-/// Where an object's colour comes from, as numbered in the file.
-mod colour_source {
-    pub const LAYER: u8 = 0;
-    pub const OBJECT: u8 = 1;
-    pub const PARENT: u8 = 3;
-}
-
-/// How an object is shown, as numbered in the file: the low four bits of its mode.
-mod mode {
-    pub const MASK: u8 = 15;
-    pub const HIDDEN: u8 = 1;
-    pub const IN_BLOCK: u8 = 3;
 }
 
 impl<'a> Tables<'a> {
@@ -100,11 +74,13 @@ impl<'a> Tables<'a> {
     fn table(&mut self, table: u32, mut content: Cursor<'a>) {
         let record = match table {
             code::SETTINGS_TABLE => code::UNITS_AND_TOLERANCES,
+            code::MATERIAL_TABLE => code::MATERIAL_RECORD,
             code::LAYER_TABLE => code::LAYER_RECORD,
             code::INSTANCE_DEFINITION_TABLE => code::INSTANCE_DEFINITION_RECORD,
             code::OBJECT_TABLE => code::OBJECT_RECORD,
             _ => return,
         };
+        let mut place = 0;
         while content.left() > 0 {
             let entry = match content.chunk() {
                 Ok(chunk) if chunk.code == code::END_OF_TABLE => break,
@@ -117,6 +93,11 @@ impl<'a> Tables<'a> {
             };
             let (what, read) = match record {
                 code::UNITS_AND_TOLERANCES => ("the unit", self.units(entry.content)),
+                code::MATERIAL_RECORD => {
+                    let read = Material::read(entry.content, place);
+                    place += 1;
+                    ("a material", read.map(|own| _ = self.materials.insert(own.index, own.colour)))
+                }
                 code::LAYER_RECORD => ("a layer", layer(entry.content).map(|layer| self.layers.push(layer))),
                 code::INSTANCE_DEFINITION_RECORD => {
                     ("a block", block(entry.content).map(|(id, block)| drop(self.blocks.insert(id, block))))
@@ -181,17 +162,24 @@ impl<'a> Tables<'a> {
         self.layers.iter().find(|layer| layer.index == attributes.layer)
     }
 
-    /// The colour in which an object is drawn, `parent` being that of the reference that places it; `None` where a material says
-    /// it.
-    pub fn colour(&self, attributes: &Attributes, parent: Option<Colour>) -> Option<Colour> {
-        let of_layer = || self.layer(attributes).map(|layer| layer.colour);
-        match attributes.colour_source {
-            colour_source::LAYER => of_layer(),
-            colour_source::OBJECT => attributes.colour,
-            // Outside of blocks there is no parent, and the layer says it.
-            colour_source::PARENT => parent.or_else(of_layer),
+    /// How an object is drawn, `parent` being how the reference is that places it. No colour is that of no material.
+    pub fn look(&self, attributes: &Attributes, parent: Option<Look>) -> Look {
+        let layer = self.layer(attributes);
+        // Outside of blocks there is no parent, and the layer says it.
+        let material = match (attributes.material_source, parent) {
+            (material_source::OBJECT, _) => Some(attributes.material),
+            (material_source::PARENT, Some(parent)) => parent.material,
+            _ => layer.map(|layer| layer.material),
+        };
+        let of_layer = || layer.map(|layer| layer.colour);
+        let colour = match (attributes.colour_source, parent) {
+            (colour_source::OBJECT, _) => attributes.colour,
+            (colour_source::MATERIAL, _) => material.and_then(|index| self.materials.get(&index).copied()),
+            (colour_source::PARENT, Some(parent)) => parent.colour.or_else(of_layer),
+            (colour_source::LAYER | colour_source::PARENT, _) => of_layer(),
             _ => None,
-        }
+        };
+        Look { colour, material }
     }
 
     /// The layer that hides an object: its own, or one above that.
@@ -217,13 +205,16 @@ fn layer(mut record: Cursor) -> Result<Layer, Fault> {
     let minor = data.packed_version(1)?;
     let mode = data.i32()?;
     let index = data.i32()?;
-    // IGES level, material, an obsolete number.
-    data.skip(3 * 4)?;
-    let colour = colour(&mut data)?;
+    // An IGES level.
+    data.skip(4)?;
+    let material = data.i32()?;
+    // An obsolete number.
+    data.skip(4)?;
+    let colour = data.colour()?;
     // An obsolete line style.
     data.skip(2 * 2 + 2 * 8)?;
     let mut layer =
-        Layer { index, name: data.string()?, is_hidden: mode == 1, colour, id: Uuid::NIL, parent: Uuid::NIL };
+        Layer { index, name: data.string()?, is_hidden: mode == 1, colour, material, id: Uuid::NIL, parent: Uuid::NIL };
     if minor >= 1 {
         layer.is_hidden |= data.u8()? == 0;
     }
@@ -233,13 +224,6 @@ fn layer(mut record: Cursor) -> Result<Layer, Fault> {
         (layer.id, layer.parent) = (data.uuid()?, data.uuid()?);
     }
     Ok(layer)
-}
-
-/// A colour: red, green, blue, and how transparent it is.
-fn colour(data: &mut Cursor) -> Result<Colour, Fault> {
-    let parts = [data.u8()?, data.u8()?, data.u8()?];
-    data.skip(1)?;
-    Ok(Colour(parts))
 }
 
 /// How a block is linked, as numbered in the file.
@@ -292,80 +276,6 @@ fn block(mut record: Cursor) -> Result<(Uuid, Block), Fault> {
 
 fn uuids(cursor: &mut Cursor) -> Result<Vec<Uuid>, Fault> {
     (0..cursor.count(16)?).map(|_| cursor.uuid()).collect()
-}
-
-impl Attributes {
-    fn read(mut data: Cursor) -> Result<Self, Fault> {
-        match data.clone().u8()? >> 4 {
-            1 => Self::in_order(&mut data),
-            _ => Self::by_items(&mut data),
-        }
-    }
-
-    /// Before version 50: everything, in order.
-    fn in_order(data: &mut Cursor) -> Result<Self, Fault> {
-        let minor = data.packed_version(1)?;
-        let mut attributes = Self { id: Some(data.uuid()?), layer: data.i32()?, ..Self::default() };
-        // A material.
-        data.skip(4)?;
-        attributes.colour = Some(colour(data)?);
-        // An obsolete line style, wire density.
-        data.skip(2 * 2 + 2 * 8 + 4)?;
-        attributes.set_mode(data.u8()?);
-        attributes.colour_source = data.u8()?;
-        // Where line and material come from.
-        data.skip(2)?;
-        attributes.name = data.string()?;
-        if minor >= 2 {
-            // An address, and groups.
-            data.string()?;
-            data.indices()?;
-            attributes.is_hidden |= data.u8()? == 0;
-        }
-        Ok(attributes)
-    }
-
-    /// From version 50 on: items by their number, ascending; those with their usual value are not there.
-    fn by_items(data: &mut Cursor) -> Result<Self, Fault> {
-        data.packed_version(2)?;
-        let mut attributes = Self { id: Some(data.uuid()?), layer: data.i32()?, ..Self::default() };
-        loop {
-            match data.u8()? {
-                1 => attributes.name = data.string()?,
-                2 => {
-                    data.string()?;
-                }
-                3 | 4 | 7 | 10 => {
-                    data.skip(4)?;
-                }
-                6 => attributes.colour = Some(colour(data)?),
-                // How it is rendered, in a chunk of its own.
-                5 => {
-                    data.chunk()?;
-                }
-                8 => {
-                    data.skip(8)?;
-                }
-                9 | 14..=17 => {
-                    data.skip(1)?;
-                }
-                13 => attributes.colour_source = data.u8()?,
-                11 => attributes.is_hidden |= data.u8()? == 0,
-                12 => attributes.set_mode(data.u8()?),
-                18 => {
-                    data.indices()?;
-                }
-                19 => attributes.is_on_page = data.u8()? == 1,
-                // The end, or items that say nothing of whether it is drawn.
-                _ => return Ok(attributes),
-            }
-        }
-    }
-
-    fn set_mode(&mut self, mode: u8) {
-        self.is_hidden |= mode & mode::MASK == mode::HIDDEN;
-        self.is_in_block |= mode & mode::MASK == mode::IN_BLOCK;
-    }
 }
 
 /// The number of a unit that the file defines.

@@ -11,7 +11,7 @@ use super::structure::{Child, REPRESENTATIONS, Structure};
 use super::styles::Styles;
 use super::units::Units;
 use crate::brep::frame::Motion;
-use crate::document::Attributes;
+use crate::document::{Attributes, Colour};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -58,6 +58,8 @@ pub(super) struct Assembly {
 struct Owner {
     attributes: Attributes,
     is_hidden: bool,
+    /// Colours that parts of it have whatever is said of them, the outermost first.
+    over: Vec<(u64, Colour)>,
 }
 
 struct Walk<'f, 'b> {
@@ -71,6 +73,8 @@ struct Walk<'f, 'b> {
     assembly: Assembly,
     /// The representations that are being entered.
     path: Vec<u64>,
+    /// All instances that are being walked.
+    inside: Vec<u64>,
     entered: usize,
     /// The most faces, and representations entered.
     most: usize,
@@ -95,6 +99,7 @@ impl Assembly {
             contexts: BTreeMap::new(),
             assembly,
             path: vec![],
+            inside: vec![],
             entered: 0,
             most,
             is_full: false,
@@ -102,7 +107,7 @@ impl Assembly {
         let mut all: BTreeSet<u64> = REPRESENTATIONS.iter().flat_map(|keyword| of[keyword].iter().copied()).collect();
         all.retain(|number| !walk.structure.inner.contains(number));
         for root in all {
-            walk.enter(root, &Motion::IDENTITY, None);
+            walk.enter(root, &[], &Motion::IDENTITY, None);
         }
         let reached: BTreeSet<u64> = walk.assembly.placed.iter().map(|placed| placed.number).collect();
         let is_lost = |number: &u64| !reached.contains(number) && !walk.assembly.hidden.contains(number);
@@ -123,12 +128,17 @@ impl Walk<'_, '_> {
     /// Walks what an instance is made of: name, colour and visibility are its own where a part says nothing else.
     fn within(&mut self, number: u64, name: Option<Arc<str>>, walk: impl FnOnce(&mut Self)) {
         let outer = self.owner.clone();
+        self.inside.push(number);
         self.owner.attributes.name = name.or_else(|| outer.attributes.name.clone());
-        self.owner.attributes.colour = self.styles.colour(number).or(outer.attributes.colour);
-        let hidden_by = self.styles.hidden_by(number).filter(|_| !outer.is_hidden).map(str::to_owned);
+        let over = outer.over.iter().find(|(item, _)| *item == number).map(|(_, colour)| *colour);
+        let colour = over.or_else(|| self.styles.colour(number, &self.inside));
+        self.owner.attributes.colour = colour.or(outer.attributes.colour);
+        self.owner.over.extend(self.styles.over(number));
+        let hidden_by = self.styles.hidden_by(number, &self.inside).filter(|_| !outer.is_hidden).map(str::to_owned);
         self.owner.is_hidden |= hidden_by.is_some();
         let before = self.assembly.hidden.len();
         walk(self);
+        self.inside.pop();
         // What draws nothing anyhow, a curve or a point, is no loss.
         if let Some(why) = hidden_by.filter(|_| before < self.assembly.hidden.len()) {
             self.fail(number, &why);
@@ -146,8 +156,12 @@ impl Walk<'_, '_> {
         self.contexts.entry(context).or_insert_with(|| Units::of_context(self.instances, context))
     }
 
-    /// Enters a representation whose coordinates become the whole's by `motion`; `parent` is the context it stands in.
-    fn enter(&mut self, number: u64, motion: &Motion, parent: Option<u64>) {
+    /// Enters a representation by way of its `uses`, which say that it stands there. Its coordinates become the whole's by
+    /// `motion`; `parent` is the context it stands in.
+    fn enter(&mut self, number: u64, uses: &[u64], motion: &Motion, parent: Option<u64>) {
+        if let [first, rest @ ..] = uses {
+            return self.within(*first, None, |walk| walk.enter(number, rest, motion, parent));
+        }
         self.entered += 1;
         if self.path.contains(&number) {
             return self.fail(number, "it stands in itself");
@@ -187,8 +201,8 @@ impl Walk<'_, '_> {
                 walk.within(item, label, |walk| walk.item(item, &scaled, context, instance));
             }
             let children = walk.structure.children.get(&number).cloned().unwrap_or_default();
-            for Child { representation, motion: inner } in children {
-                walk.enter(representation, &scaled.after(&inner), context);
+            for Child { representation, motion: inner, uses } in children {
+                walk.enter(representation, &uses, &scaled.after(&inner), context);
             }
         });
         self.path.pop();
@@ -237,8 +251,8 @@ impl Walk<'_, '_> {
     }
 
     fn mapped(&mut self, number: u64, motion: &Motion, context: Option<u64>) {
-        let work = Cell::new(usize::MAX);
-        let geometry = Geometry { instances: self.instances, angle: 1.0, tolerance: 0.0, work: &work };
+        let (work, off) = (Cell::new(usize::MAX), Cell::new(0.0));
+        let geometry = Geometry { instances: self.instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work };
         let target = || -> Result<(u64, Motion), Fault> {
             let item = geometry.get(number)?;
             let own = item.parameters();
@@ -248,7 +262,7 @@ impl Walk<'_, '_> {
             Ok((own_map.reference(1)?, to.after(&from.inverse())))
         };
         match target() {
-            Ok((representation, inner)) => self.enter(representation, &motion.after(&inner), context),
+            Ok((representation, inner)) => self.enter(representation, &[], &motion.after(&inner), context),
             Err(fault) => self.assembly.faults.push(fault),
         }
     }

@@ -6,6 +6,8 @@ use super::spline::spline_parameters;
 use super::value::{Entity, Value};
 use crate::brep::curve::Curve;
 use crate::brep::frame::{Frame, Motion};
+use crate::brep::offset::{IN_VAIN, cost, offset};
+use crate::brep::parallel::{Offset, OffsetError, Ramp, sideways};
 use crate::brep::path::Piece;
 use crate::brep::shape::{Profile, Shape};
 use crate::document::SurfaceKind;
@@ -56,6 +58,8 @@ pub(super) struct Geometry<'f, 'b> {
     pub angle: f64,
     /// The uncertainty of lengths, model units.
     pub tolerance: f64,
+    /// How far anything that was made is from what the file says, at most, as measured, model units.
+    pub off: &'f Cell<f64>,
     /// How many control points and edges may still be read: a few bytes may name the same large curve again and again.
     pub work: &'f Cell<usize>,
 }
@@ -76,6 +80,13 @@ impl<'b> Geometry<'_, 'b> {
     /// A CARTESIAN_POINT; z is 0 where it has two coordinates.
     pub fn point(&self, number: u64) -> Result<DVec3, Fault> {
         self.coordinates(number, "CARTESIAN_POINT")
+    }
+
+    /// What stands at a distance from something; how far it is off is kept.
+    fn beside<T>(&self, number: u64, offset: Result<Offset<T>, OffsetError>) -> Result<T, Fault> {
+        let Offset { made, off } = offset.map_err(|cause| fault(number, cause.to_string()))?;
+        self.off.set(self.off.get().max(off));
+        Ok(made)
     }
 
     fn direction(&self, number: u64) -> Result<DVec3, Fault> {
@@ -188,6 +199,11 @@ impl<'b> Geometry<'_, 'b> {
             "POLYLINE" => Curve::polyline(&self.points(&own.references(1)?)?, self.tolerance).map_err(wrong),
             "TRIMMED_CURVE" | "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => {
                 self.curve_within(own.reference(1)?, depth + 1)
+            }
+            "OFFSET_CURVE_3D" => {
+                let curve = self.curve_within(own.reference(1)?, depth + 1)?;
+                let (distance, reference) = (own.number(2)?, self.direction(own.reference(4)?)?);
+                self.beside(number, sideways(&curve, reference, Ramp::even(distance), self.tolerance))
             }
             "CURVE_REPLICA" => {
                 let curve = self.curve_within(own.reference(1)?, depth + 1)?;
@@ -336,8 +352,12 @@ impl<'b> Geometry<'_, 'b> {
             }
             "OFFSET_SURFACE" => {
                 let basis = self.surface_within(own.reference(1)?, depth + 1)?;
-                let offset = basis.offset(own.number(2)?);
-                offset.ok_or_else(|| fault(number, "the offset of a surface of this kind is not read"))
+                self.spend(number, cost(&basis))?;
+                let offset = offset(&basis, own.number(2)?, self.tolerance);
+                if offset.is_err() {
+                    self.spend(number, IN_VAIN)?;
+                }
+                self.beside(number, offset)
             }
             "SURFACE_REPLICA" => {
                 let parent = own.reference(1)?;

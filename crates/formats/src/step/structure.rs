@@ -39,6 +39,8 @@ pub(super) const RELATIONS: [&str; 5] = [
 pub(super) struct Child {
     pub representation: u64,
     pub motion: Motion,
+    /// What says so: the relationship, and in an assembly what depends on it, the use's shape and the use.
+    pub uses: Vec<u64>,
 }
 
 /// The product structure of a file.
@@ -70,8 +72,8 @@ impl Structure {
 
 fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, faults: &mut Vec<Fault>) -> Structure {
     let (mut children, mut inner): (BTreeMap<u64, Vec<Child>>, BTreeSet<u64>) = Default::default();
-    let mut add = |parent: u64, representation: u64, motion: Motion| {
-        children.entry(parent).or_default().push(Child { representation, motion });
+    let mut add = |parent: u64, representation: u64, motion: Motion, uses: Vec<u64>| {
+        children.entry(parent).or_default().push(Child { representation, motion, uses });
         inner.insert(representation);
     };
     let mapped = |map: &u64| instances.get(*map)?.parameters().reference(1).ok();
@@ -94,19 +96,20 @@ fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, fault
         match related(instances, relation) {
             Ok((mut child, mut parent, motion)) => {
                 let mut motion = motion;
+                let usage = instances.get(shape).and_then(|shape| shape.parameters().reference(2).ok());
                 // The usage says which of the two is the part, whatever their order.
-                let usage = instances.get(shape).and_then(|shape| {
-                    let usage = instances.get(shape.parameters().reference(2).ok()?)?;
+                let ends = usage.and_then(|usage| {
+                    let usage = instances.get(usage)?;
                     let own = usage.parameters();
                     Some((own.reference(3).ok()?, own.reference(4).ok()?))
                 });
-                if let Some((whole, part)) = usage
+                if let Some((whole, part)) = ends
                     && shown.get(&child) == Some(&whole)
                     && shown.get(&parent) == Some(&part)
                 {
                     (child, parent, motion) = (parent, child, motion.inverse());
                 }
-                add(parent, child, motion);
+                add(parent, child, motion, [relation, *number, shape].into_iter().chain(usage).collect());
             }
             Err(fault) => faults.push(fault),
         }
@@ -121,9 +124,9 @@ fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, fault
             Ok((first, second, motion)) => {
                 let is_body = |number: u64| instances.keyword(number) != "SHAPE_REPRESENTATION";
                 if is_body(first) && !is_body(second) {
-                    add(second, first, motion);
+                    add(second, first, motion, vec![number]);
                 } else {
-                    add(first, second, motion.inverse());
+                    add(first, second, motion.inverse(), vec![number]);
                 }
             }
             Err(fault) => faults.push(fault),
@@ -135,8 +138,8 @@ fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, fault
 
 /// The two representations of a relationship, and the move from the first one's coordinates to the second's.
 fn related(instances: &Instances, number: u64) -> Result<(u64, u64, Motion), Fault> {
-    let work = Cell::new(usize::MAX);
-    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0, work: &work };
+    let (work, off) = (Cell::new(usize::MAX), Cell::new(0.0));
+    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work };
     let entity = geometry.get(number)?;
     let own = match entity.part("REPRESENTATION_RELATIONSHIP") {
         Some(part) => part,

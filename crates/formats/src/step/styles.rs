@@ -1,20 +1,40 @@
 //! What a file says of how its items look: colours, and which of them are not shown (ISO 10303-46).
 //!
 //! A STYLED_ITEM names an item and its styles; the colour of a surface is several references down. An
-//! OVER_RIDING_STYLED_ITEM takes the place of what was said of the same item. An INVISIBILITY hides items, styled ones, and
-//! layers with all that is on them. Styles that hold only where an assembly shows a part (CONTEXT_DEPENDENT_…) are not read.
+//! OVER_RIDING_STYLED_ITEM takes the place of what was said of the same item, or of an item that stands in its own. What is
+//! CONTEXT_DEPENDENT, or a style BY_CONTEXT, holds only where the walk came through each of the instances that it names. An
+//! INVISIBILITY hides items, styled ones, and layers with all that is on them.
 
 use super::p21::Instances;
+use super::structure::REPRESENTATIONS;
 use super::value::{Entity, Value};
 use crate::document::Colour;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Keywords of what is read here.
-pub(super) const STYLES: [&str; 4] =
-    ["STYLED_ITEM", "OVER_RIDING_STYLED_ITEM", "INVISIBILITY", "PRESENTATION_LAYER_ASSIGNMENT"];
+pub(super) const STYLES: [&str; 5] = [
+    "CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM",
+    "OVER_RIDING_STYLED_ITEM",
+    "STYLED_ITEM",
+    "INVISIBILITY",
+    "PRESENTATION_LAYER_ASSIGNMENT",
+];
 
 /// How deep a style may be made of others, lists counted.
 const DEEPEST: usize = 16;
+
+/// The most that is kept of one item in one innermost context: what is beyond would have to be tried at every place.
+const MOST: usize = 64;
+
+/// Keywords of contexts that a walk comes through, beside representations.
+const CONTEXTS: [&str; 6] = [
+    "MAPPED_ITEM",
+    "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION",
+    "SHAPE_REPRESENTATION_RELATIONSHIP",
+    "REPRESENTATION_RELATIONSHIP",
+    "NEXT_ASSEMBLY_USAGE_OCCURRENCE",
+    "PRODUCT_DEFINITION_SHAPE",
+];
 
 /// What stands between an item and the colour of its surface.
 const SURFACE_STYLES: [&str; 9] = [
@@ -41,12 +61,64 @@ const NAMED: [(&str, [u8; 3]); 8] = [
     ("white", [255, 255, 255]),
 ];
 
-/// What is said of items, by their numbers.
+/// What is said of items, by their numbers: anywhere, or only within other instances.
+#[derive(Debug)]
+struct Said<T> {
+    anywhere: BTreeMap<u64, T>,
+    /// By the item and the last of the contexts.
+    within: BTreeMap<(u64, u64), Vec<Within<T>>>,
+}
+
+/// What holds only within all of some instances.
+#[derive(Debug)]
+struct Within<T> {
+    contexts: Vec<u64>,
+    said: T,
+}
+
+impl<T> Default for Said<T> {
+    fn default() -> Self {
+        Self { anywhere: BTreeMap::new(), within: BTreeMap::new() }
+    }
+}
+
+impl<T> Said<T> {
+    /// What was said first stays.
+    fn add(&mut self, item: u64, contexts: Vec<u64>, said: T) {
+        match contexts.last() {
+            None => _ = self.anywhere.entry(item).or_insert(said),
+            Some(last) => {
+                let there = self.within.entry((item, *last)).or_default();
+                if there.len() < MOST {
+                    there.push(Within { contexts, said });
+                }
+            }
+        }
+    }
+
+    /// What holds for an item within these instances; that of more contexts before that of fewer.
+    fn get(&self, item: u64, inside: &[u64]) -> Option<&T> {
+        let mut best: Option<&Within<T>> = None;
+        if !self.within.is_empty() {
+            let there = inside.iter().filter_map(|last| self.within.get(&(item, *last))).flatten();
+            for own in there.filter(|own| own.contexts.iter().all(|context| inside.contains(context))) {
+                if best.is_none_or(|best| best.contexts.len() < own.contexts.len()) {
+                    best = Some(own);
+                }
+            }
+        }
+        best.map(|own| &own.said).or_else(|| self.anywhere.get(&item))
+    }
+}
+
+/// What is said of items.
 #[derive(Debug, Default)]
 pub(super) struct Styles {
-    colours: BTreeMap<u64, Colour>,
+    colours: Said<Colour>,
     /// Why an item is not shown.
-    hidden: BTreeMap<u64, String>,
+    hidden: Said<String>,
+    /// By an item: another one that stands in it, and the colour which that has there.
+    over: BTreeMap<u64, (u64, Colour)>,
 }
 
 impl Styles {
@@ -54,15 +126,18 @@ impl Styles {
     pub fn new(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>) -> Self {
         let mut styles = Self::default();
         let mut search = Search { instances, found: BTreeMap::new() };
-        for keyword in ["OVER_RIDING_STYLED_ITEM", "STYLED_ITEM"] {
-            for number in &of[keyword] {
-                let colour = instances.get(*number).and_then(|entity| {
-                    let (own, item) = styled(&entity)?;
-                    Some((item, own.iter().find_map(|style| search.colour(style, 0))?))
-                });
-                // What overrides comes first, and stays.
-                if let Some((item, colour)) = colour {
-                    styles.colours.entry(item).or_insert(colour);
+        // What overrides comes first, and stays.
+        for number in STYLES[..3].iter().flat_map(|keyword| &of[keyword]) {
+            let Some(entity) = instances.get(*number) else { continue };
+            let Some(Styled { styles: own, item, over, contexts }) = styled(instances, &entity) else { continue };
+            for style in own {
+                let Some(colour) = search.colour(style, 0) else { continue };
+                let mut contexts = contexts.clone();
+                contexts.extend(by_context(instances, style));
+                styles.colours.add(item, contexts, colour);
+                let over = over.and_then(|over| Some(styled(instances, &instances.get(over)?)?.item));
+                if let Some(over) = over.filter(|over| *over != item) {
+                    styles.over.entry(item).or_insert((over, colour));
                 }
             }
         }
@@ -76,37 +151,77 @@ impl Styles {
         styles
     }
 
-    /// The colour that is said of an item itself.
-    pub fn colour(&self, item: u64) -> Option<Colour> {
-        self.colours.get(&item).copied()
+    /// The colour that is said of an item itself, where it stands within these instances.
+    pub fn colour(&self, item: u64, inside: &[u64]) -> Option<Colour> {
+        self.colours.get(item, inside).copied()
     }
 
-    /// Why an item itself is not shown.
-    pub fn hidden_by(&self, item: u64) -> Option<&str> {
-        self.hidden.get(&item).map(String::as_str)
+    /// Another item, and the colour which it has wherever it stands in this one.
+    pub fn over(&self, item: u64) -> Option<(u64, Colour)> {
+        self.over.get(&item).copied()
+    }
+
+    /// Why an item itself is not shown, where it stands within these instances.
+    pub fn hidden_by(&self, item: u64, inside: &[u64]) -> Option<&str> {
+        self.hidden.get(item, inside).map(String::as_str)
     }
 
     fn hide(&mut self, instances: &Instances, number: u64) {
         let Some(entity) = instances.get(number) else { return };
         let own = entity.parameters();
+        // A styled item stands for what it styles.
+        let place = |number: u64| {
+            let entity = instances.get(number);
+            let styled = entity.as_ref().and_then(|entity| styled(instances, entity));
+            styled.map_or((number, vec![]), |styled| (styled.item, styled.contexts))
+        };
         if entity.keyword() == "PRESENTATION_LAYER_ASSIGNMENT" {
             let name = own.name(0).map_or(String::new(), |name| format!(" \"{}\"", crate::error::shorten(&name)));
             for item in own.references(2).unwrap_or_default() {
-                let item = instances.get(item).and_then(|entity| Some(styled(&entity)?.1)).unwrap_or(item);
-                self.hidden.entry(item).or_insert_with(|| format!("its layer{name} is invisible"));
+                let (item, contexts) = place(item);
+                self.hidden.add(item, contexts, format!("its layer{name} is invisible"));
             }
         } else {
-            let item = styled(&entity).map_or(number, |(_, item)| item);
-            self.hidden.entry(item).or_insert_with(|| "it is invisible".to_owned());
+            let (item, contexts) = place(number);
+            self.hidden.add(item, contexts, "it is invisible".to_owned());
         }
     }
 }
 
-/// The styles and the item of a styled item.
-fn styled<'e>(entity: &'e Entity) -> Option<(&'e [Value<'e>], u64)> {
-    let first = usize::from(entity.parts.len() == 1);
-    let own = entity.part("STYLED_ITEM").or(entity.part("OVER_RIDING_STYLED_ITEM"))?;
-    Some((own.list(first).ok()?, own.reference(first + 1).ok()?))
+/// A styled item.
+struct Styled<'e> {
+    styles: &'e [Value<'e>],
+    item: u64,
+    /// The styled item that it overrides.
+    over: Option<u64>,
+    /// Where it holds: within all of these; anywhere where there are none.
+    contexts: Vec<u64>,
+}
+
+fn styled<'e>(instances: &Instances, entity: &'e Entity) -> Option<Styled<'e>> {
+    let is_simple = entity.parts.len() == 1;
+    let (first, own) = match STYLES[..3].iter().find(|keyword| entity.keyword() == **keyword) {
+        Some(keyword) if is_simple => (1, entity.part(keyword)?),
+        _ => (0, entity.part("STYLED_ITEM")?),
+    };
+    let over = if is_simple { own.reference(3).ok() } else { entity.part(STYLES[1]).and_then(|p| p.reference(0).ok()) };
+    let contexts = entity.part(STYLES[0]).and_then(|part| part.references(if is_simple { 4 } else { 0 }).ok());
+    let mut contexts = contexts.unwrap_or_default();
+    contexts.retain(|context| is_walked(instances, *context));
+    Some(Styled { styles: own.list(first).ok()?, item: own.reference(first + 1).ok()?, over, contexts })
+}
+
+/// The context in which alone a style holds.
+fn by_context(instances: &Instances, style: &Value) -> Option<u64> {
+    let entity = instances.get(style.as_reference()?)?;
+    let context = entity.part("PRESENTATION_STYLE_BY_CONTEXT")?.values.last()?.as_reference()?;
+    is_walked(instances, context).then_some(context)
+}
+
+/// Whether a walk comes through such an instance; others say nothing of where a style holds.
+fn is_walked(instances: &Instances, context: u64) -> bool {
+    let keyword = instances.keyword(context);
+    CONTEXTS.contains(&keyword) || REPRESENTATIONS.contains(&keyword)
 }
 
 /// A search for the colour of surfaces, which looks at each instance once.

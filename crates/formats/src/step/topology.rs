@@ -32,7 +32,7 @@ pub(super) fn face(geometry: &Geometry, number: u64) -> Result<Source, Fault> {
         }
         bounds.push(Bound { outer: entity.keyword() == "FACE_OUTER_BOUND", uses });
     }
-    Ok(Source { shape, same_sense, bounds, tolerance: geometry.tolerance })
+    Ok(Source { shape, same_sense, bounds, tolerance: geometry.tolerance, off: geometry.off.get() })
 }
 
 /// A surface that stands by itself: whole, over the rectangle that trims it, or within curves.
@@ -45,9 +45,23 @@ pub(super) fn surface(geometry: &Geometry, number: u64) -> Result<Source, Fault>
         "CURVE_BOUNDED_SURFACE" => {
             let bounds =
                 own.references(2)?.into_iter().map(|curve| boundary(geometry, curve)).collect::<Result<_, _>>()?;
-            return Ok(Source { shape, same_sense: true, bounds, tolerance: geometry.tolerance });
+            return Ok(Source {
+                shape,
+                same_sense: true,
+                bounds,
+                tolerance: geometry.tolerance,
+                off: geometry.off.get(),
+            });
         }
-        _ => return Ok(Source { shape, same_sense: true, bounds: vec![], tolerance: geometry.tolerance }),
+        _ => {
+            return Ok(Source {
+                shape,
+                same_sense: true,
+                bounds: vec![],
+                tolerance: geometry.tolerance,
+                off: geometry.off.get(),
+            });
+        }
     }
     let scale = scale(&shape, geometry.angle);
     let u = [own.number(2)? * scale.x, own.number(3)? * scale.x];
@@ -59,7 +73,7 @@ pub(super) fn surface(geometry: &Geometry, number: u64) -> Result<Source, Fault>
         Use { space: None, plane: Some(plane), reversed: false, edge: None, vertices: [0.0; 2] }
     };
     let bounds = vec![Bound { outer: true, uses: (0..4).map(side).collect() }];
-    Ok(Source { shape, same_sense: true, bounds, tolerance: geometry.tolerance })
+    Ok(Source { shape, same_sense: true, bounds, tolerance: geometry.tolerance, off: geometry.off.get() })
 }
 
 /// A curve that bounds a surface.

@@ -275,7 +275,7 @@ proptest! {
 
 #[test]
 fn a_face_has_its_objects_name_and_the_colour_that_its_source_says() {
-    for version in [4, 8] {
+    for version in [3, 4, 5, 8] {
         let path = root().join(format!("testdata/3dm/colours-{version}.3dm"));
         let document = open(path).unwrap_or_else(|e| panic!("{e}"));
         let said = document.attributes.iter().map(|said| (said.name.as_deref().unwrap(), said.colour.map(|c| c.0)));

@@ -18,6 +18,8 @@ pub fn cases() -> Vec<Case> {
         ruled(),
         frustum(),
         offset(),
+        offset_prism(),
+        offset_curves(),
         copious(),
         part_of_domain(),
     ]
@@ -231,6 +233,53 @@ fn offset() -> Case {
     let surface = w.add(140, 0, &format!("1.0,0.0,0.0,0.5,{sphere}"));
     w.set_status(surface, INDEPENDENT);
     open("offset-sphere", &w, 1, 4.0 * PI * 1.5 * 1.5)
+}
+
+/// The wall of `periodic` without its hole, and a lid, half a unit outside of it: a surface (140) beside a spline, and a curve
+/// (130) beside one. The length grows by 2 π d, the area by the length times d and π d² (Steiner).
+fn offset_prism() -> Case {
+    let (d, height) = (0.5, 3.0);
+    let mut w = Writer::new();
+    let knots: Vec<f64> = (0..13).map(|k| f64::from(k) - 2.0).collect();
+    let at = |z: f64| (0..10).flat_map(move |k| [CORNERS[k % 8][0], CORNERS[k % 8][1], z]);
+    let points: Vec<f64> = at(0.0).chain(at(height)).collect();
+    let ends = "0.0,8.0,0.0,1.0";
+    let wall =
+        format!("9,1,2,1,1,0,1,1,0,{},0.0,0.0,1.0,1.0,{},{},{ends}", list(&knots), list(&[1.0; 20]), list(&points));
+    let wall = w.add(128, 0, &wall);
+    let wall = w.add(140, 0, &format!("-1.0,0.0,0.0,{d:?},{wall}"));
+    w.set_status(wall, INDEPENDENT);
+    let points: Vec<f64> = at(0.0).collect();
+    let curve = format!("9,2,1,1,1,1,{},{},{},0.0,8.0,0.0,0.0,1.0", list(&knots), list(&[1.0; 10]), list(&points));
+    let curve = w.add(126, 0, &curve);
+    let beside = w.add(130, 0, &format!("{curve},1,0,0,0,{d:?},0.0,0.0,0.0,0.0,0.0,-1.0,0.0,8.0"));
+    let lid = w.add(108, 1, &format!("0.0,0.0,1.0,0.0,{beside},0.0,0.0,0.0,0.0"));
+    w.set_status(lid, INDEPENDENT);
+    let section = 14.0 + 4.0 / 3.0;
+    let lid = section + closed_length() * d + PI * d * d;
+    open("offset-prism", &w, 2, (closed_length() + 2.0 * PI * d) * height + lid)
+}
+
+/// Planes within curves (130) beside arcs and lines: a disc, and a trapezoid of which two sides
+/// are beside a line, one of them at a distance that changes from 1 to 3.
+fn offset_curves() -> Case {
+    let mut w = Writer::new();
+    let arc = w.circle(0.0, 2.0, [0.0, 0.0]);
+    // Inward is the tangent's left hand, +z × T.
+    let inner = w.add(130, 0, &format!("{arc},1,0,0,0,0.5,0.0,0.0,0.0,0.0,0.0,1.0,0.0,{TAU:?}"));
+    let disc = w.add(108, 1, &format!("0.0,0.0,1.0,0.0,{inner},0.0,0.0,0.0,0.0"));
+    w.set_status(disc, INDEPENDENT);
+    let base = w.line([0.0, 0.0, 1.0], [4.0, 0.0, 1.0]);
+    let beside = w.add(130, 0, &format!("{base},2,0,0,2,1.0,0.0,3.0,1.0,0.0,0.0,1.0,0.0,1.0"));
+    let sides = [[[0.0, 0.0], [0.0, 1.0]], [[4.0, 3.0], [4.0, 0.0]], [[4.0, 0.0], [0.0, 0.0]]];
+    let [left, right, below] = sides.map(|side| {
+        let [a, b] = side.map(|[x, y]| [x, y, 1.0]);
+        w.line(a, b)
+    });
+    let border = w.composite(&[left, beside, right, below]);
+    let plane = w.add(108, 1, &format!("0.0,0.0,1.0,1.0,{border},0.0,0.0,0.0,0.0"));
+    w.set_status(plane, INDEPENDENT);
+    open("offset-curves", &w, 2, PI * 1.5 * 1.5 + 8.0)
 }
 
 /// Polygons of copious data (106): on a plane in space, and in (u, v).

@@ -3,7 +3,7 @@
 use crate::cases::cases;
 use crate::common::root;
 use crate::table::assert_table_is_listed;
-use crate::writer::{INDEPENDENT, Writer, list};
+use crate::writer::{INDEPENDENT, Writer};
 use formats::{FORMATS, Format, NoteKind, Support};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -55,16 +55,10 @@ fn what_the_table_leaves_out_is_noted() {
             let curve = w.add(110, 1, "0.0,0.0,0.0,1.0,0.0,0.0");
             within(w, curve)
         }),
-        ("130 offset curve", |w| {
+        ("130 offset curve by the arc's length or by a function", |w| {
             let line = w.line([0.0; 3], [1.0, 0.0, 0.0]);
-            let curve = w.add(130, 0, &format!("{line},1,0,0,1.0,0.0,1.0,0.0,0.0,0.0,1.0,0.0,1.0"));
+            let curve = w.add(130, 0, &format!("{line},3,{line},1,2,1.0,0.0,1.0,1.0,0.0,0.0,1.0,0.0,1.0"));
             within(w, curve)
-        }),
-        ("140 offset surface of others", |w| {
-            let ends = "0.0,0.0,1.0,1.0,0.0,0.0,1.0,1.0";
-            let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 1.0]].concat();
-            let surface = w.add(128, 0, &format!("1,1,1,1,0,0,1,0,0,{ends},{},{}", list(&[1.0; 4]), list(&points)));
-            w.add(140, 0, &format!("0.0,0.0,1.0,1.0,{surface}"))
         }),
         ("150 to 168 primitives and sweeps", |w| w.add(154, 0, "1.0,1.0")),
         ("180 Boolean tree", |w| w.add(180, 0, "3,1,1,1")),

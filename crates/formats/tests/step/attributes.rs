@@ -71,14 +71,19 @@ fn discs(w: &mut Writer, names: [&str; 2]) -> ([u64; 2], u64, u64) {
     (faces, shell, model)
 }
 
-fn colour(w: &mut Writer, item: u64, keyword: &str, colour: &str) -> u64 {
+/// A style of surfaces, of an instance that is a colour.
+fn style(w: &mut Writer, colour: &str) -> u64 {
     let colour = w.add(colour);
     let style = w.add(format_args!("FILL_AREA_STYLE_COLOUR('',#{colour})"));
     let area = w.add(format_args!("FILL_AREA_STYLE('',(#{style}))"));
     let fill = w.add(format_args!("SURFACE_STYLE_FILL_AREA(#{area})"));
     let side = w.add(format_args!("SURFACE_SIDE_STYLE('',(#{fill}))"));
     let usage = w.add(format_args!("SURFACE_STYLE_USAGE(.BOTH.,#{side})"));
-    let style = w.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT((#{usage}))"));
+    w.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT((#{usage}))"))
+}
+
+fn colour(w: &mut Writer, item: u64, keyword: &str, colour: &str) -> u64 {
+    let style = style(w, colour);
     let over = if keyword == "STYLED_ITEM" { "" } else { ",$" };
     w.add(format_args!("{keyword}('',(#{style}),#{item}{over})"))
 }
@@ -116,6 +121,122 @@ fn a_face_on_an_invisible_layer_is_left_out_and_never_drawn_as_a_lost_one() {
     let notes: Vec<String> = losses.map(ToString::to_string).collect();
     assert_eq!(notes.len(), 1, "{notes:?}");
     assert!(notes[0].contains(&format!("#{low} ADVANCED_FACE: left out: its layer \"aux\" is invisible")), "{notes:?}");
+}
+
+/// A representation of some items in several places, each a MAPPED_ITEM of another one that is shown; these, and the first one.
+fn mapped(w: &mut Writer, model: u64, count: usize) -> (Vec<u64>, u64) {
+    let context = w.context(Units::MillimetreRadian);
+    let part = w.add(format_args!("MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#{model}),#{context})"));
+    let origin = w.placement([0.0; 3], Z, X);
+    let map = w.add(format_args!("REPRESENTATION_MAP(#{origin},#{part})"));
+    let item = |w: &mut Writer, k: usize| {
+        let place = w.placement([5.0 * k as f64, 0.0, 0.0], Z, X);
+        w.add(format_args!("MAPPED_ITEM('',#{map},#{place})"))
+    };
+    let items: Vec<u64> = (0..count).map(|k| item(w, k)).collect();
+    w.add(format_args!("SHAPE_REPRESENTATION('',{},#{context})", list(&items)));
+    (items, part)
+}
+
+/// The colours of two discs in each place, the lower one first, place by place along x.
+fn colours(document: &Document) -> Vec<Option<[u8; 3]>> {
+    let at = |face: &scene::Face| {
+        let centre = document.model.surfaces()[face.surface].hull().center();
+        [centre.x, centre.z].map(|x| x.round() as i64)
+    };
+    let faces = document.model.faces().iter().zip(&document.attributes);
+    let mut all: Vec<_> = faces.map(|(face, said)| (at(face), said.colour.map(|colour| colour.0))).collect();
+    all.sort();
+    all.into_iter().map(|(_, colour)| colour).collect()
+}
+
+const RED: Option<[u8; 3]> = Some([255, 0, 0]);
+const GREEN: Option<[u8; 3]> = Some([0, 255, 0]);
+const BLUE: Option<[u8; 3]> = Some([0, 0, 255]);
+
+fn named(colour: &str) -> String {
+    format!("DRAUGHTING_PRE_DEFINED_COLOUR('{colour}')")
+}
+
+#[test]
+fn a_face_has_its_own_colour_before_that_of_its_body_and_of_its_instance() {
+    let mut w = Writer::new("AUTOMOTIVE_DESIGN");
+    let ([low, _], _, model) = discs(&mut w, ["low", "high"]);
+    let (items, _) = mapped(&mut w, model, 2);
+    colour(&mut w, low, "STYLED_ITEM", &named("red"));
+    colour(&mut w, items[1], "STYLED_ITEM", &named("blue"));
+    assert_eq!(colours(&read(&w.file())), [RED, None, RED, BLUE]);
+    colour(&mut w, model, "STYLED_ITEM", &named("green"));
+    assert_eq!(colours(&read(&w.file())), [RED, GREEN, RED, GREEN]);
+}
+
+#[test]
+fn what_an_instance_overrides_has_another_colour_there_and_nowhere_else() {
+    let mut w = Writer::new("AUTOMOTIVE_DESIGN");
+    let ([low, _], _, model) = discs(&mut w, ["low", "high"]);
+    let (items, _) = mapped(&mut w, model, 3);
+    let body = colour(&mut w, model, "STYLED_ITEM", &named("green"));
+    let face = colour(&mut w, low, "STYLED_ITEM", &named("red"));
+    let blue = style(&mut w, &named("blue"));
+    w.add(format_args!("OVER_RIDING_STYLED_ITEM('',(#{blue}),#{},#{body})", items[1]));
+    w.add(format_args!("CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#{blue}),#{low},#{face},(#{}))", items[2]));
+    assert_eq!(colours(&read(&w.file())), [RED, GREEN, RED, BLUE, BLUE, GREEN]);
+}
+
+/// A style whose context is no place that the file shows, as the drawing it is a part of, holds anywhere.
+#[test]
+fn a_style_by_context_holds_in_that_context() {
+    let mut w = Writer::new("AUTOMOTIVE_DESIGN");
+    let ([low, high], _, model) = discs(&mut w, ["low", "high"]);
+    let (items, part) = mapped(&mut w, model, 2);
+    let drawing = w.add("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',(),$)");
+    let mut by_context = |item: u64, name: &str, context: u64| {
+        let style = style(&mut w, &named(name));
+        let style = w.add(format_args!("PRESENTATION_STYLE_BY_CONTEXT((#{style}),#{context})"));
+        w.add(format_args!("STYLED_ITEM('',(#{style}),#{item})"));
+    };
+    by_context(low, "red", items[1]);
+    by_context(high, "blue", part);
+    by_context(low, "green", drawing);
+    assert_eq!(colours(&read(&w.file())), [GREEN, BLUE, RED, BLUE]);
+}
+
+/// What is invisible in one place is left out there, and drawn in the other.
+#[test]
+fn an_instance_is_invisible_by_itself() {
+    let mut w = Writer::new("AUTOMOTIVE_DESIGN");
+    let ([low, _], _, model) = discs(&mut w, ["low", "high"]);
+    let (items, _) = mapped(&mut w, model, 3);
+    let red = style(&mut w, &named("red"));
+    let item = w.add(format_args!("CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#{red}),#{low},$,(#{}))", items[0]));
+    w.add(format_args!("INVISIBILITY((#{item},#{}))", items[2]));
+    let document = read(&w.file());
+    assert_eq!(colours(&document), [None; 3], "the upper disc in the first place, and both in the second");
+    let losses: Vec<String> = document.notes.iter().filter(|n| n.kind.is_loss()).map(ToString::to_string).collect();
+    assert!(losses.len() == 2 && losses.iter().all(|note| note.contains("it is invisible")), "{losses:?}");
+}
+
+/// In an assembly the relationship, what depends on it, and the use may have a colour.
+#[test]
+fn a_use_in_an_assembly_has_a_colour() {
+    for way in 0..3 {
+        let mut w = Writer::new("AUTOMOTIVE_DESIGN");
+        let (_, _, model) = discs(&mut w, ["low", "high"]);
+        let context = w.context(Units::MillimetreRadian);
+        let part = w.add(format_args!("MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#{model}),#{context})"));
+        let whole = w.add(format_args!("SHAPE_REPRESENTATION('',(),#{context})"));
+        let [from, to] = [0.0, 3.0].map(|x| w.placement([x, 0.0, 0.0], Z, X));
+        let place = w.add(format_args!("ITEM_DEFINED_TRANSFORMATION('','',#{from},#{to})"));
+        let relation = w.add(format_args!(
+            "(REPRESENTATION_RELATIONSHIP('','',#{part},#{whole})REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#{place})\
+             SHAPE_REPRESENTATION_RELATIONSHIP())"
+        ));
+        let usage = w.add("NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',$,$,$)");
+        let shape = w.add(format_args!("PRODUCT_DEFINITION_SHAPE('','',#{usage})"));
+        let dependent = w.add(format_args!("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{relation},#{shape})"));
+        colour(&mut w, [relation, dependent, usage][way], "STYLED_ITEM", &named("red"));
+        assert_eq!(colours(&read(&w.file())), [RED, RED], "{way}");
+    }
 }
 
 /// A style that is made of itself ends; one of a curve says nothing of a surface.

@@ -203,7 +203,7 @@ impl Search<'_> {
         let mut seen = [0; 2];
         let mut last = None;
         for i in range.clone() {
-            for arc in self.arcs(i) {
+            for arc in self.arcs(i)? {
                 self.step(2 * range.len())?;
                 last = arc
                     .from
@@ -242,7 +242,7 @@ impl Search<'_> {
         let mut last = None;
         let mut side = None;
         for i in range {
-            for arc in self.arcs(i) {
+            for arc in self.arcs(i)? {
                 self.step(2 * holder.len())?;
                 last = arc.from.filter(|m| self.pieces[m.other].path == other).map(|m| (i, m)).or(last);
                 let is_inside = arc.beside.map(|p| winding(self.curves(holder.clone()), p) != 0);
@@ -279,8 +279,13 @@ impl Search<'_> {
     }
 
     /// The arcs of a piece between its meetings that count: inside the domain where the surface is closed, for there
-    /// each loop is repeated; not what closes a ring, and not along a seam, over which others may go.
-    fn arcs(&self, index: usize) -> Vec<Arc> {
+    /// each loop is repeated; not what closes a ring, and not along a seam, over which others may go. Each meeting counts as a
+    /// step: a path is asked for its arcs once for every other one that it meets.
+    fn arcs(&mut self, index: usize) -> Result<Vec<Arc>, SceneError> {
+        if self.is_on_seam(&self.pieces[index]) {
+            return Ok(vec![]);
+        }
+        self.step(self.pieces[index].meetings.len())?;
         let piece = &self.pieces[index];
         let mut arcs = vec![];
         let (mut start, mut from) = (0.0, None);
@@ -295,7 +300,7 @@ impl Search<'_> {
                 let counts = |axis: usize| !self.frame.closed[axis] || (0.0..=1.0).contains(&middle[axis]);
                 let is_in_domain = middle.cmpge(DVec2::ZERO).all() && middle.cmple(DVec2::ONE).all();
                 let closes_ring = piece.trim.is_none() && !is_in_domain;
-                if counts(0) && counts(1) && !closes_ring && !self.is_on_seam(piece) {
+                if counts(0) && counts(1) && !closes_ring {
                     arcs.push(Arc { from, end: meeting.t, beside });
                 }
             }
@@ -303,7 +308,7 @@ impl Search<'_> {
                 (start, from) = (meeting.t, Some(*meeting));
             }
         }
-        arcs
+        Ok(arcs)
     }
 
     fn is_on_seam(&self, piece: &Piece) -> bool {
