@@ -23,7 +23,8 @@ fn product(a: f32, b: f32) -> f32 {
     return kept(a * b);
 }
 
-// a / b rounded to nearest, halves to even, by long division; b is positive.
+// a / b rounded to nearest, by long division; b is positive. No quotient of two floats is half way between two others: times
+// its divisor it would have more digits than a float.
 fn quotient(a: f32, b: f32) -> f32 {
     let bits_a = bitcast<u32>(a);
     let bits_b = bitcast<u32>(b);
@@ -47,10 +48,7 @@ fn quotient(a: f32, b: f32) -> f32 {
         rest -= eight * divisor;
         digits = (digits << 8u) | eight;
     }
-    var mantissa = digits >> 1u;
-    if ((digits & 1u) != 0u && (rest != 0u || (mantissa & 1u) != 0u)) {
-        mantissa += 1u;
-    }
+    let mantissa = (digits + 1u) >> 1u;
     if (exponent <= 0) {
         return 0.0;
     }
@@ -102,7 +100,8 @@ fn rounded(w: Wide) -> f32 {
     return bitcast<f32>(((150u + shift) << 23u) + (mantissa - 0x800000u));
 }
 
-// A number of either sign, to within 2^-22 of itself.
+// A number of either sign below 2^55, to within 2^-22 of itself: the low half is taken with its sign, for what is little below
+// zero would be lost among 2^32.
 fn approximate(w: Wide) -> f32 {
-    return f32(w.high) * 4294967296.0 + f32(w.low);
+    return f32(w.high + i32(w.low >> 31u)) * 4294967296.0 + f32(i32(w.low));
 }
