@@ -6,10 +6,10 @@ const GUARD_BAND: f32 = 4.0;
 // Corners of a triangle that six planes have cut.
 const MOST_CORNERS: u32 = 9u;
 
-// A corner before the division by w, as a share of the triangle's three.
+// A corner before the division by w, and what it has of the triangle's second and third; the rest is of the first.
 struct ClipVertex {
     clip: vec4<f32>,
-    share: vec3<f32>,
+    share: vec2<f32>,
 }
 
 struct Polygon {
@@ -45,7 +45,7 @@ fn clipped(corners: array<vec4<f32>, 3>) -> Polygon {
     var polygon: Polygon;
     polygon.count = 3u;
     for (var i = 0u; i < 3u; i++) {
-        polygon.corners[i] = ClipVertex(corners[i], vec3<f32>(vec3<u32>(i) == vec3<u32>(0u, 1u, 2u)));
+        polygon.corners[i] = ClipVertex(corners[i], vec2<f32>(vec2<u32>(i) == vec2<u32>(1u, 2u)));
     }
     for (var plane = 0u; plane < 6u; plane++) {
         var inside: Polygon;

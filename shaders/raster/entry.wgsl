@@ -178,7 +178,7 @@ fn cover_cut(
 }
 
 // The part of thread `k` of `threads`: every so many rows, and there every ALONG-th pixel.
-fn cover_shared(t: Flat, share: mat3x3<f32>, triangle: u32, k: u32, threads: u32) {
+fn cover_shared(t: Flat, share: mat3x2<f32>, triangle: u32, k: u32, threads: u32) {
     for (var y = t.first.y + i32(k / ALONG); y < t.end.y; y += i32(threads / ALONG)) {
         let columns = columns_of(t, y);
         for (var x = columns.x + i32(k % ALONG); x < columns.y; x += i32(ALONG)) {
@@ -187,13 +187,13 @@ fn cover_shared(t: Flat, share: mat3x3<f32>, triangle: u32, k: u32, threads: u32
     }
 }
 
-// What the corners of a triangle that is not cut carry of its own.
-const WHOLE: mat3x3<f32> = mat3x3<f32>(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+// What the corners of a triangle that is not cut have of its second and third.
+const WHOLE: mat3x2<f32> = mat3x2<f32>(0.0, 0.0, 1.0, 0.0, 0.0, 1.0);
 
-// A part of a cut triangle: what each of its corners carries of the whole one's.
+// A part of a cut triangle: what each of its corners has of the whole one's second and third.
 struct Piece {
     t: Flat,
-    share: mat3x3<f32>,
+    share: mat3x2<f32>,
 }
 
 fn polygon_of(triangle: u32) -> Polygon {
@@ -228,7 +228,7 @@ struct Offer {
     in: Sample,
 }
 
-fn offer_of(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) -> Offer {
+fn offer_of(t: Flat, share: mat3x2<f32>, triangle: u32, pixel: vec2<i32>) -> Offer {
     var made: Offer;
     let values = values_at(t, pixel);
     if (values.covered) {
@@ -250,7 +250,7 @@ fn is_asked(triangle: u32) -> bool {
 
 // Offers a triangle to a pixel if it covers its centre. The question if its face is there waits until all are known, so that every
 // thread has as many as any other.
-fn cover(t: Flat, share: mat3x3<f32>, triangle: u32, pixel: vec2<i32>) {
+fn cover(t: Flat, share: mat3x2<f32>, triangle: u32, pixel: vec2<i32>) {
     let made = offer_of(t, share, triangle, pixel);
     if (!made.is_open) {
         return;
@@ -323,7 +323,7 @@ fn answer_rest(
 }
 
 // The part of a workgroup's thread.
-fn answer_all(t: Flat, share: mat3x3<f32>, triangle: u32, lane: u32) {
+fn answer_all(t: Flat, share: mat3x2<f32>, triangle: u32, lane: u32) {
     if (!t.is_seen) {
         return;
     }
@@ -352,7 +352,7 @@ fn order_of(depth: f32) -> u32 {
     return select(bits, select(~bits, 0u, bits == 0u), FARTHEST);
 }
 
-fn sample_of(triangle: u32, shares: vec3<f32>, pixel: vec2<i32>) -> Sample {
+fn sample_of(triangle: u32, shares: vec2<f32>, pixel: vec2<i32>) -> Sample {
     let v = vertices_of(triangle);
     var in: Sample;
     in.face = face_of(v.x);
@@ -366,9 +366,9 @@ fn sample_of(triangle: u32, shares: vec3<f32>, pixel: vec2<i32>) -> Sample {
 }
 
 // A number that the corners carry, from the first one's on: equal ones give that exactly.
-fn mixed(v: vec3<u32>, word: u32, shares: vec3<f32>) -> f32 {
+fn mixed(v: vec3<u32>, word: u32, shares: vec2<f32>) -> f32 {
     let a = number_of(v.x, word);
-    return a + (shares.y * (number_of(v.y, word) - a) + shares.z * (number_of(v.z, word) - a));
+    return a + (shares.x * (number_of(v.y, word) - a) + shares.y * (number_of(v.z, word) - a));
 }
 
 // What a pixel sees, if that is of this call.
@@ -396,7 +396,7 @@ fn seen_at(at: vec2<u32>) -> Seen {
     }
     let pixel = vec2<i32>(at);
     let placed = corners_of(vertices_of(triangle));
-    var shares: vec3<f32>;
+    var shares: vec2<f32>;
     if (is_cut(placed)) {
         let polygon = polygon_of(triangle);
         for (var k = 2u; k < polygon.count; k++) {
@@ -408,7 +408,7 @@ fn seen_at(at: vec2<u32>) -> Seen {
         }
     } else {
         let t = set_up(placed, size_in_pixels());
-        shares = shares_at(t, values_at(t, pixel).rounded);
+        shares = shares_at(t, values_at(t, pixel).rounded).yz;
     }
     found.is_there = true;
     found.in = sample_of(triangle, shares, pixel);
