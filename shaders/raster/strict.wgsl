@@ -142,7 +142,8 @@ fn rounded(w: Wide) -> f32 {
     return bitcast<f32>(((150u + shift) << 23u) + (mantissa - LEADING));
 }
 
-// A number of either sign, to within 2^-22 of itself.
+// A number of either sign below 2^55, to within 2^-22 of itself: the low half is taken with its sign, for what is little below
+// zero would be lost among 2^32.
 fn approximate(w: Wide) -> f32 {
-    return f32(w.high) * 4294967296.0 + f32(w.low);
+    return f32(w.high + i32(w.low >> 31u)) * 4294967296.0 + f32(i32(w.low));
 }

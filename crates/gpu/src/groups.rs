@@ -20,9 +20,6 @@ pub const UNIFORM_AT: BindingType = buffer(BufferBindingType::Uniform, true);
 /// Bytes between the parts of a buffer that calls take one by one: the greatest alignment that WebGPU allows an adapter to ask for.
 pub const PART_STRIDE: usize = 256;
 
-/// Workgroups in one dimension of a dispatch: what WebGPU promises.
-const ROW: u32 = 65_535;
-
 const fn buffer(ty: BufferBindingType, has_dynamic_offset: bool) -> BindingType {
     BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
 }
@@ -86,10 +83,12 @@ impl Device {
     }
 }
 
-/// Workgroups of a dispatch for `count` threads or pieces, so many a group, in rows of equal length.
+/// Workgroups of a dispatch for `count` threads or pieces, so many a group, in about as many rows as columns: more than one
+/// row wherever there is more than one group, so that small pictures try what large ones rest on.
 pub fn workgroups(count: u32, a_group: u32) -> [u32; 2] {
     let groups = count.div_ceil(a_group);
-    [groups.min(ROW), groups.div_ceil(ROW)]
+    let rows = groups.isqrt().max(1);
+    [groups.div_ceil(rows), rows]
 }
 
 /// Whole buffers at bindings 0, 1, 2 …
@@ -110,9 +109,14 @@ mod tests {
 
     #[test]
     fn a_dispatch_has_room_for_all_pieces_in_rows_that_are_allowed() {
-        for count in [1, 64, 65, 8 * ROW, 8 * ROW + 1, 1 << 24] {
-            let [x, y] = workgroups(count, 8);
-            assert!(x <= ROW && y <= ROW && u64::from(x) * u64::from(y) * 8 >= u64::from(count), "{count}: {x} x {y}");
+        // What each adapter of WebGPU has along an axis.
+        const MOST: u64 = 65_535;
+        for count in [1, 8, 9, 64, 65, 8 * 65_535, 8 * 65_536, 1 << 24, u32::MAX] {
+            let [x, y] = workgroups(count, 8).map(u64::from);
+            let (room, needed) = (8 * x * y, u64::from(count));
+            assert!(x <= MOST && y <= MOST && room >= needed, "{count}: {x} x {y}");
+            assert!(room < needed + 8 * x, "{count}: {x} x {y} has a row too many");
         }
+        assert_eq!([workgroups(0, 64), workgroups(64, 64), workgroups(256, 64)], [[0, 1], [1, 1], [2, 2]]);
     }
 }

@@ -16,6 +16,7 @@ pub mod zones;
 pub use error::PrepareError;
 pub use limits::{DEFAULT_ZONES, GREATEST_LEVEL, Limits, PAPER_ZONES, ZONE_WORDS};
 pub use technique::{Prepared, Setting, Technique};
+pub use triangles::arithmetic::wrong_arithmetic;
 pub use triangles::compute::ByCompute;
 
 /// All of them; the first is the default.

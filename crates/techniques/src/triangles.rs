@@ -1,6 +1,7 @@
 //! What techniques by flat triangles share: bounds of derivatives, how coarse triangles have to be, what is in the picture, who is seen on the CPU, and the passes
 //! that draw on a GPU, by its rasterizer or by kernels.
 
+pub mod arithmetic;
 pub mod bounds;
 pub mod coarsened;
 pub mod compute;

@@ -4,6 +4,7 @@ mod disc;
 mod edges;
 mod joints;
 mod made;
+mod quads;
 
 use super::shown::{SIDE, Shown, framed};
 use super::way::Way;
@@ -11,7 +12,7 @@ use compare::Claims;
 use gbuffer::ShadeKind;
 use glam::DVec3;
 use isophote::stage::{Path, Plan};
-use made::{builtin, cylinder, joined, orthographic, reversed, stacked, transposed};
+use made::{builtin, cylinder, joined, of_two_degrees, orthographic, raised, reversed, stacked, transposed};
 use nurbs::{KnotVector, Surface};
 use pipeline::Scheme;
 use scene::{Camera, Model, Projection, Viewport};
@@ -26,8 +27,13 @@ pub fn scenes(Way { technique, path }: Way) -> Vec<Shown> {
         Claims::Chord if technique.parts().iter().any(|part| part.file == GRIDS) => {
             [triangles(), joints::joints(), disc::discs()].concat()
         }
-        Claims::Chord => [triangles(), joints::joints(), joints::close_joints(), edges::edges()].concat(),
-        Claims::OnRay => [hulls(), joints::joints()[4..].to_vec()].concat(),
+        Claims::Chord => {
+            [triangles(), joints::joints(), joints::close_joints(), edges::edges(), vec![disc::of_several_spans()]]
+                .concat()
+        }
+        Claims::OnRay => {
+            [hulls(), vec![quads::flat()], quads::behind_the_eye(), joints::joints()[4..].to_vec()].concat()
+        }
     };
     let drawn = |mut shown: Shown| {
         shown.plan.technique = technique;
@@ -54,6 +60,7 @@ fn triangles() -> Vec<Shown> {
         Shown { shade: ShadeKind::Mean, ..framed("bent the other way", builtin("torus"), Scheme::Specialised) },
         Shown { shade: ShadeKind::Face, ..framed("many faces", builtin("teapot"), Scheme::Specialised) },
         Shown { shade: ShadeKind::Checker, ..framed("periodic knots", builtin("periodic"), Scheme::General) },
+        Shown { shade: ShadeKind::Mean, ..framed("degree 8 along u", transposed(&of_degree_8()), Scheme::General) },
         Shown {
             shade: ShadeKind::Phong,
             ..orthographic(framed("degree 1", builtin("bilinear-quartic"), Scheme::General))
@@ -81,11 +88,10 @@ fn triangles() -> Vec<Shown> {
 
 /// What shows the search for roots: folds, grazing views, poles, hulls that the near plane cuts, and hulls of all sizes.
 fn hulls() -> Vec<Shown> {
-    // Programs of two degrees, each with pieces of its own, in pictures that are no squares.
+    // In pictures that are no squares.
     let two_degrees = |name, columns, rows| {
-        let model = joined(&builtin("teapot"), &builtin("quintic-quadratic"));
         let viewport = Viewport::new(columns, rows).expect("a legal size");
-        Shown { viewport, shade: ShadeKind::Face, ..framed(name, model, Scheme::Specialised) }
+        Shown { viewport, shade: ShadeKind::Face, ..framed(name, of_two_degrees(), Scheme::Specialised) }
     };
     let large = |shown: Shown, side| Shown { viewport: Viewport::new(side, side).expect("a legal size"), ..shown };
     vec![
@@ -104,6 +110,7 @@ fn hulls() -> Vec<Shown> {
         large(beside("close to two folds", "surface", [0.3, 0.3, 0.05], 20.0), 96),
         large(beside("large hulls", "rational", [0.0, -0.1, 0.6], 20.0), 96),
         framed("degrees 5 and 2", builtin("quintic-quadratic"), Scheme::General),
+        framed("degrees 2 and 5", transposed(&builtin("quintic-quadratic")), Scheme::General),
         two_degrees("two degrees, wide", 96, 40),
         two_degrees("two degrees, tall", 40, 96),
     ]
@@ -115,20 +122,33 @@ fn covers() -> Vec<Shown> {
     let coarse = |shown: Shown| Shown { plan: Plan { chord_px: 8.0, ..shown.plan }, ..shown };
     let wide = |shown: Shown| Shown { viewport: Viewport::new(70, 40).expect("a legal size"), ..shown };
     let trimmed = |name, model| framed(name, builtin(model), Scheme::Specialised);
-    vec![
+    let fine = |shown: Shown| Shown { plan: Plan { chord_px: 1.0 / 64.0, ..shown.plan }, ..shown };
+    let with_edges = |shown: Shown| Shown { plan: Plan { edges: true, ..shown.plan }, ..shown };
+    let stack = joined(&builtin("islands"), &raised(stacked(&builtin("islands"), 8)));
+    let curved = vec![
         wide(Shown { shade: ShadeKind::Face, ..framed("many faces", builtin("teapot"), Scheme::Specialised) }),
+        wide(framed("two degrees", of_two_degrees(), Scheme::Specialised)),
         steep(),
         edge_on_centres(false),
         edge_on_centres(true),
         coarse(wide(beside("within", "teapot", [0.02, 0.03, 0.05], 60.0))),
         coarse(wide(beside("across waves", "surface", [0.5, 0.1, 0.03], 60.0))),
         wide(beside("grazing", "torus", [1.1, 0.2, 0.06], 45.0)),
+        fine(framed("small triangles through each other", builtin("teapot"), Scheme::Specialised)),
+        vertex_normals(ShadeKind::Normal),
         trimmed("islands", "islands"),
         coarse(trimmed("large faces with trims", "window")),
         framed("a word", builtin("text"), Scheme::General),
-        // More questions than there is room for.
-        framed("a stack of faces with trims", stacked(&builtin("islands"), 8), Scheme::Specialised),
-    ]
+        with_edges(trimmed("edges of islands", "islands")),
+        // More questions than there is room for, of two degrees.
+        framed("a stack of faces with trims", stack, Scheme::Specialised),
+    ];
+    [quads::behind_the_eye(), quads::cut_and_counted(), curved].concat()
+}
+
+/// Curved along v alone, of degree 8: more knots than come before those of a file's first span.
+fn of_degree_8() -> Model {
+    (4..8).fold(builtin("bilinear-quartic"), |model, _| raised(model))
 }
 
 /// A model seen from a place that is so many times its size from its middle.

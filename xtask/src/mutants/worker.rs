@@ -5,13 +5,15 @@
 //! computes for too long, it is killed and the mutant counts as a hang; where it ends by itself, as a crash. The next
 //! mutant gets a new one.
 
+use super::capped::capped;
 use super::mutant::Mutant;
 use super::scenes::scenes;
 use super::shown::Shown;
 use super::trial::{Catch, REFUSED, Shot, Trial};
 use super::way::Way;
 use anyhow::{Context, Result, bail};
-use pipeline::wgsl;
+use isophote::stage::Path;
+use pipeline::wgsl::{self, Variant};
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -55,6 +57,9 @@ const TICKS: u64 = 100;
 /// What Mesa's software GPU is told: not to keep thousands of programs on disk, and, as each is drawn once, not to
 /// spend time on making it fast (a quarter of the time, measured on llvmpipe 25.0).
 const MESA: [(&str, &str); 2] = [("MESA_SHADER_CACHE_DISABLE", "true"), ("GALLIVM_PERF", "nopt")];
+
+/// The part whose operations are asked one by one.
+const ARITHMETIC: &str = "raster/strict.wgsl";
 
 /// How worker processes are started.
 #[derive(Debug, Clone)]
@@ -143,6 +148,11 @@ fn answer<'s>(
         Job::Mutant(mutant) => mutant.source(variant),
         Job::Sound(_) => wgsl::source(variant),
     };
+    if is_of_arithmetic(job)
+        && let Some(catch) = shown_by_numbers(device, &source)
+    {
+        return Ok(Outcome::Caught(catch));
+    }
     let mut agreed = 0;
     let is_shown = |(shown, _): &(&Shown, _)| match job {
         Job::Mutant(mutant) => mutant.is_shown_by(shown),
@@ -162,6 +172,24 @@ fn answer<'s>(
         }
     }
     Ok(Outcome::Survived(agreed))
+}
+
+/// Whether a job is about the kernels' arithmetic: a mutant of it, or kernels as they are.
+fn is_of_arithmetic(job: &Job) -> bool {
+    match job {
+        Job::Mutant(mutant) => mutant.key.file == ARITHMETIC,
+        Job::Sound(label) => Way::all().any(|way| way.path != Path::Fragment && way.label() == *label),
+    }
+}
+
+/// Where that does not have Rust's bits: of this a picture shows little.
+fn shown_by_numbers(device: &gpu::Device, source: &dyn Fn(Variant) -> String) -> Option<Catch> {
+    let (cause, detail) = match techniques::wrong_arithmetic(device, &|variant| capped(&source(variant))) {
+        Ok(None) => return None,
+        Ok(Some(detail)) => ("arithmetic", detail),
+        Err(error) => (REFUSED, error.to_string()),
+    };
+    Some(Catch { scene: "numbers".to_owned(), cause: cause.to_owned(), detail })
 }
 
 /// A running worker.

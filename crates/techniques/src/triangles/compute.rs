@@ -22,7 +22,10 @@ const ENTRY: Part = Part { file: "raster/entry.wgsl", text: include_str!("../../
 const CLIP: Part = Part { file: "raster/clip.wgsl", text: include_str!("../../../../shaders/raster/clip.wgsl") };
 const AREA: Part = Part { file: "raster/area.wgsl", text: include_str!("../../../../shaders/raster/area.wgsl") };
 const SETUP: Part = Part { file: "raster/setup.wgsl", text: include_str!("../../../../shaders/raster/setup.wgsl") };
-const STRICT: Part = Part { file: "raster/strict.wgsl", text: include_str!("../../../../shaders/raster/strict.wgsl") };
+
+/// The arithmetic that has the same bits everywhere.
+pub const STRICT: Part =
+    Part { file: "raster/strict.wgsl", text: include_str!("../../../../shaders/raster/strict.wgsl") };
 
 /// Who is nearest, by atomics of 64 bits or of 32: one file's place.
 const NEAREST_64: Part =

@@ -7,7 +7,7 @@
 use crate::mutants::shown::{Shown, framed};
 use glam::{DVec2, DVec3};
 use isophote::stage::Plan;
-use nurbs::{KnotVector, Surface};
+use nurbs::{Direction, KnotVector, Surface};
 use pipeline::Scheme;
 use scene::{Camera, Face, Loop, Model, Projection, Trim};
 use std::f64::consts::TAU;
@@ -23,17 +23,6 @@ const TURN: f64 = 0.09;
 
 /// One face and many, with and without loops, in few cells and in many; and a corner, near by.
 pub(super) fn discs() -> Vec<Shown> {
-    let seen = |name, model: Model, chord_px| {
-        let camera = Camera::look_at(
-            DVec3::new(0.3, -0.4, 2.0),
-            DVec3::ZERO,
-            DVec3::Y,
-            Projection::Perspective { fov_deg: 45.0 },
-        );
-        let shown = framed(name, model, Scheme::Specialised);
-        let plan = Plan { chord_px, ..shown.plan };
-        Shown { camera: camera.expect("legal"), plan, fills: true, ..shown }
-    };
     vec![
         seen("a disc of one face", one_face(), 2.0),
         seen("a disc of many faces", many_faces(false), 1.0),
@@ -41,6 +30,28 @@ pub(super) fn discs() -> Vec<Shown> {
         seen("a disc in many cells", one_face(), 1.0 / 64.0),
         at_a_corner(seen("a corner of four faces", many_faces(false), 1.0)),
     ]
+}
+
+/// Many faces with loops, of two degrees and of spans of several lengths. Their borders are curved: without skirts pixels between two
+/// of them show nothing, and the nearest place of a border may be of another span than a skirt's.
+pub(super) fn of_several_spans() -> Shown {
+    let plain = many_faces(true);
+    let refined = |surface: &Surface| {
+        let raised = surface.elevated(Direction::V).expect("a low degree");
+        let along_u = raised.refined(Direction::U, &[0.3]).expect("inside");
+        along_u.refined(Direction::V, &[0.15, 0.6]).expect("inside")
+    };
+    let surfaces = plain.surfaces().iter().map(refined).collect();
+    let model = Model::new("disc", surfaces, plain.faces().to_vec()).expect("as legal as before");
+    seen("a disc of faces of several spans", model, 1.0)
+}
+
+fn seen(name: &'static str, model: Model, chord_px: f64) -> Shown {
+    let projection = Projection::Perspective { fov_deg: 45.0 };
+    let camera = Camera::look_at(DVec3::new(0.3, -0.4, 2.0), DVec3::ZERO, DVec3::Y, projection).expect("legal");
+    let shown = framed(name, model, Scheme::Specialised);
+    let plan = Plan { chord_px, ..shown.plan };
+    Shown { camera, plan, fills: true, ..shown }
 }
 
 /// A view of the place where four patches meet, so near that a pixel is four times what f32 rounds there: corners that are not

@@ -55,18 +55,27 @@ pub(super) fn joined(a: &Model, b: &Model) -> Model {
     Model::new(a.name(), [a.surfaces(), b.surfaces()].concat(), faces).expect("as legal as before")
 }
 
+/// The same model elsewhere.
+pub(super) fn moved(model: &Model, by: DVec3) -> Model {
+    let surfaces = model.surfaces().iter().map(|surface| {
+        let [ku, kv] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
+        let points = surface.points().iter().map(|point| *point + by).collect();
+        Surface::new(ku, kv, points, surface.weights().map(<[f64]>::to_vec)).expect("as legal as before")
+    });
+    Model::new(model.name(), surfaces.collect(), model.faces().to_vec()).expect("as legal as before")
+}
+
 /// So many of a model, each above the last by a sixteenth of its size: as many faces lie behind one pixel.
 pub(super) fn stacked(model: &Model, count: usize) -> Model {
     let step = DVec3::Z * (model.hull().diagonal() / 16.0);
-    let moved = |k: usize| {
-        let surfaces = model.surfaces().iter().map(|surface| {
-            let [ku, kv] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
-            let points = surface.points().iter().map(|point| *point + step * k as f64).collect();
-            Surface::new(ku, kv, points, surface.weights().map(<[f64]>::to_vec)).expect("as legal as before")
-        });
-        Model::new(model.name(), surfaces.collect(), model.faces().to_vec()).expect("as legal as before")
-    };
-    (1..count).map(moved).fold(model.clone(), |below, above| joined(&below, &above))
+    (1..count).fold(model.clone(), |below, k| joined(&below, &moved(model, step * k as f64)))
+}
+
+/// A teapot, and above it a face of another degree: programs of two degrees, each with pieces of its own in the picture.
+pub(super) fn of_two_degrees() -> Model {
+    let (teapot, face) = (builtin("teapot"), builtin("quintic-quadratic"));
+    let above = teapot.hull().center() - face.hull().center() + DVec3::Z * 0.5 * teapot.hull().diagonal();
+    joined(&teapot, &moved(&face, above))
 }
 
 /// The same surfaces, seen from their other side.

@@ -1,0 +1,35 @@
+//! The arithmetic on which kernels' bits rest, one operation at a time, on a device.
+
+mod common;
+
+use common::software;
+use pipeline::wgsl::{self, Variant};
+use techniques::wrong_arithmetic;
+
+#[test]
+fn strict_arithmetic_has_the_bits_of_rusts_own() {
+    assert_eq!(wrong_arithmetic(&software(), &wgsl::source), Ok(None));
+}
+
+#[test]
+fn a_digit_that_is_rounded_otherwise_is_named() {
+    let device = software();
+    let faults = [
+        ("(digits + 1u) >> 1u", "digits >> 1u", "quotient"),
+        ("lost == half && (mantissa & 1u) != 0u", "false", "rounded whole number"),
+        ("+ (middle >> 16u)", "", "product of whole numbers"),
+        // The first that the difference is asked in.
+        ("a.low < b.low", "a.low <= b.low", "product of whole numbers"),
+        ("f32(i32(w.low))", "f32(w.low)", "approximate whole number"),
+    ];
+    for (original, replacement, operation) in faults {
+        let source = |variant: Variant| {
+            let source = wgsl::source(variant);
+            assert!(source.contains(original), "{original}");
+            source.replacen(original, replacement, 1)
+        };
+        let found = wrong_arithmetic(&device, &source).expect("it compiles");
+        let found = found.unwrap_or_else(|| panic!("{original} -> {replacement} has all bits"));
+        assert!(found.starts_with(operation), "{original} -> {replacement}: {found}");
+    }
+}
