@@ -25,7 +25,7 @@ mod value;
 
 use crate::brep::face::make;
 use crate::brep::frame::Motion;
-use crate::brep::gathered::Gathered;
+use crate::brep::gathered::{Gathered, TOO_MANY};
 use crate::brep::once::Once;
 use crate::brep::source::Made;
 use crate::document::{Document, Note, NoteKind};
@@ -102,10 +102,14 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     let mut assembly = Assembly::new(&geometry);
     let mut reader = Faces::new(&geometry);
     let mut made = Once::new(assembly.placed.iter().map(|placed| placed.number));
-    let mut gathered = Gathered::default();
+    let mut gathered = Gathered::new(bytes.len());
     let mut faults = std::mem::take(&mut assembly.faults);
     let mut remarks: BTreeMap<u32, String> = BTreeMap::new();
     for placed in &assembly.placed {
+        if gathered.is_full() {
+            faults.push(fault(placed.number, TOO_MANY));
+            break;
+        }
         match made.get(placed.number, || face(&mut reader, placed.number, &entities)) {
             Ok(Own { made, motion, remark }) => {
                 remarks.extend(remark.map(|remark| (placed.number, remark)));

@@ -21,7 +21,7 @@ mod units;
 mod value;
 
 use crate::brep::face::make;
-use crate::brep::gathered::Gathered;
+use crate::brep::gathered::{Gathered, TOO_MANY};
 use crate::brep::once::Once;
 use crate::brep::source::Made;
 use crate::document::{Attributes, Document, Note, NoteKind, SurfaceKind};
@@ -89,10 +89,14 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), work: &work };
     let key = |placed: &Placed| (placed.number, placed.context);
     let mut made = Once::new(assembly.placed.iter().map(key));
-    let mut gathered = Gathered::default();
+    let mut gathered = Gathered::new(bytes.len());
     let mut kinds: BTreeMap<u64, SurfaceKind> = BTreeMap::new();
     let mut faults = std::mem::take(&mut assembly.faults);
     for placed in &assembly.placed {
+        if gathered.is_full() {
+            faults.push(fault(placed.number, TOO_MANY));
+            break;
+        }
         match made.get(key(placed), || reader.face(placed)) {
             Ok(made) => {
                 let kind = || geometry::kind(&instances, placed.number);

@@ -23,6 +23,12 @@ pub(crate) fn fitting(tolerance: f64, size: f64) -> f64 {
     (FIT * tolerance).clamp(FINEST_FIT * size, COARSEST_FIT * size)
 }
 
+/// How far a curve or a surface in the file's place may be from it where halving does not come as near as is tried: the file's
+/// tolerance, or the coarsest fit.
+pub(crate) fn acceptable(tolerance: f64, size: f64) -> f64 {
+    tolerance.max(COARSEST_FIT * size)
+}
+
 /// A trim, and how far from the path it was found to be, model units.
 pub(crate) struct Fitted {
     pub trim: Trim,

@@ -11,9 +11,18 @@ use nurbs::Surface;
 use scene::{Face, Model};
 use std::collections::BTreeMap;
 
+/// How many control points all faces have at most, those of a face that stands at several places counted at each: so many,
+/// and one more for so many bytes of the file. A few bytes may place a large face again and again.
+const POINTS: usize = 1 << 22;
+const BYTES_A_POINT: usize = 4;
+
+/// Why a face is left out that is one too many.
+pub(crate) const TOO_MANY: &str = "it and all faces after it are more than are shown";
+
 /// Faces as they are added, each with a surface of its own.
-#[derive(Default)]
 pub(crate) struct Gathered {
+    /// How many more control points there may be.
+    room: Option<usize>,
     surfaces: Vec<Surface>,
     /// With their numbers in the file.
     faces: Vec<(usize, Face)>,
@@ -24,6 +33,23 @@ pub(crate) struct Gathered {
 }
 
 impl Gathered {
+    /// None yet, of a file of so many bytes.
+    pub fn new(bytes: usize) -> Self {
+        Self {
+            room: Some(POINTS + bytes / BYTES_A_POINT),
+            surfaces: vec![],
+            faces: vec![],
+            attributes: vec![],
+            edges: BTreeMap::new(),
+            total: Total::default(),
+        }
+    }
+
+    /// Whether no more faces may be added.
+    pub fn is_full(&self) -> bool {
+        self.room.is_none()
+    }
+
     /// Adds a face where `motion` places it; `reversed` says that what holds it takes it the other way round. Faces share edges
     /// only within one `instance`.
     pub fn add(
@@ -36,6 +62,7 @@ impl Gathered {
     ) {
         self.total.add(number, &made.found);
         let (surface, mut face) = made.placed(motion, reversed);
+        self.room = self.room.and_then(|room| room.checked_sub(surface.points().len()));
         face.surface = self.surfaces.len();
         for trim in face.loops.iter_mut().flat_map(|l| &mut l.trims) {
             let next = self.edges.len() as i64;
@@ -70,5 +97,30 @@ impl Gathered {
         }));
         let attributes = model.faces().iter().map(|face| self.attributes[face.surface].clone()).collect();
         Ok(Document { model, unit, attributes, notes })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::source::Found;
+    use glam::DVec3;
+    use nurbs::KnotVector;
+
+    /// A face of four control points, in a file that has room for ten: the third one is too many, and the last.
+    #[test]
+    fn a_large_face_is_not_placed_without_end() {
+        let line = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+        let points = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let surface = Surface::new(line.clone(), line, points.to_vec(), None).unwrap();
+        let made = Made { surface, face: Face::whole(0), found: Found::default() };
+        let mut gathered = Gathered { room: Some(10), ..Gathered::new(0) };
+        let mut placed = 0;
+        while !gathered.is_full() {
+            gathered.add(1, made.clone(), (&Motion::IDENTITY, false), 0, Attributes::default());
+            placed += 1;
+        }
+        assert_eq!(placed, 3);
+        assert_eq!(Gathered::new(1 << 20).room, Some((1 << 22) + (1 << 18)));
     }
 }

@@ -48,11 +48,11 @@ impl Part {
     }
 }
 
-/// The surface at `distance`, within `tolerance`, model units.
+/// The surface at `distance`, within `aim`, model units, or as near as halving comes, within `most`.
 ///
 /// # Errors
 /// [`OffsetError::NoNormal`], [`OffsetError::Rough`], and where points are too far off to be a surface.
-pub(super) fn net(surface: &Surface, distance: f64, tolerance: f64) -> Result<Offset<Surface>, OffsetError> {
+pub(super) fn net(surface: &Surface, distance: f64, [aim, most]: [f64; 2]) -> Result<Offset<Surface>, OffsetError> {
     let mut parts = [Direction::U, Direction::V].map(|direction| Part::of(surface, direction));
     let place = |u: &Part, v: &Part, x: f64, y: f64| {
         let (u_at, v_at) = (u.at(x), v.at(y));
@@ -74,11 +74,8 @@ pub(super) fn net(surface: &Surface, distance: f64, tolerance: f64) -> Result<Of
                 off = own.into_iter().fold(off, f64::max);
             }
         }
-        if off <= tolerance {
-            return Ok(Offset { made: patches(&parts, &nodes)?, off });
-        }
         // Where neither direction alone is off, both together are.
-        let limit = 0.25 * tolerance;
+        let limit = 0.25 * aim;
         let is_any = us.iter().chain(&*vs).any(|part| limit < part.off);
         let halve = |parts: &[Part]| -> Vec<Part> {
             let own = |part: &Part| if is_any && part.off <= limit { vec![*part] } else { part.halved().collect() };
@@ -86,8 +83,12 @@ pub(super) fn net(surface: &Surface, distance: f64, tolerance: f64) -> Result<Of
         };
         let finer = [halve(us), halve(vs)];
         let is_finer = count < finer[0].len() * finer[1].len();
-        if halving == HALVINGS || !is_finer || MOST_PATCHES < finer[0].len() * finer[1].len() {
-            return Err(OffsetError::Rough { off, tolerance });
+        let is_last = halving == HALVINGS || !is_finer || MOST_PATCHES < finer[0].len() * finer[1].len();
+        if off <= if is_last { most } else { aim } {
+            return Ok(Offset { made: patches(&parts, &nodes)?, off });
+        }
+        if is_last {
+            return Err(OffsetError::Rough { off, tolerance: most });
         }
         parts = finer;
     }

@@ -7,7 +7,7 @@
 //! [`net`]: super::net
 
 use super::curve::Curve;
-use super::fit::fitting;
+use super::fit::{acceptable, fitting};
 use super::frame::Frame;
 use super::net::{PLACES, net};
 use super::parallel::{Offset, OffsetError, Ramp, along};
@@ -62,7 +62,8 @@ pub(crate) fn offset(shape: &Shape, distance: f64, tolerance: f64) -> Result<Off
         }
         Shape::Spline { surface, closed } => {
             let size = surface.hull().diagonal().max(distance.abs());
-            let Offset { made, off } = net(surface, distance, fitting(tolerance, size))?;
+            let within = [fitting(tolerance, size), acceptable(tolerance, size)];
+            let Offset { made, off } = net(surface, distance, within)?;
             Ok(Offset { made: Shape::Spline { surface: made, closed: *closed }, off })
         }
     }
@@ -177,6 +178,18 @@ mod tests {
             // Differences of 1e-5 are good to 1e-9.
             assert!(0.0 < off && off <= 2e-7 && found <= off + 2e-9, "{off:e} {found:e} {shape:?}");
         }
+    }
+
+    /// Where the file's tolerance is finer than halving comes, the offset is as near as the coarsest fit asks.
+    #[test]
+    fn an_offset_of_waves_is_made_though_not_as_near_as_is_tried() {
+        let knots = KnotVector::new(3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0, 3.0]).unwrap();
+        let at = |k: usize| DVec3::new((k / 6) as f64, (k % 6) as f64, 0.75 * ((7 * k) as f64).sin());
+        let waves = Surface::new(knots.clone(), knots, (0..36).map(at).collect(), None).unwrap();
+        let (size, shape) = (waves.hull().diagonal(), Shape::spline(waves, 0.0));
+        let Offset { made, off } = offset(&shape, DISTANCE, 0.0).unwrap();
+        let found = farthest(&shape, &made, shape.natural());
+        assert!(fitting(0.0, size) < off && off <= 1e-8 * size && found <= off + 2e-9, "{off:e} {found:e}");
     }
 
     /// A dome's profile comes to the axis; its offset does, too.

@@ -3,7 +3,7 @@
 //! Lines and arcs stay what they are. All others are interpolated by quintics, within a distance that is measured.
 
 use super::curve::Curve;
-use super::fit::fitting;
+use super::fit::{acceptable, fitting};
 use glam::{DVec2, DVec3};
 use nurbs::{Halving, KnotVector, NurbsError, QUINTIC, Quintics, SpaceCurve, quintics};
 use std::cell::Cell;
@@ -112,17 +112,18 @@ pub(crate) fn along(
     };
     let breaks: Vec<f64> = [start].into_iter().chain(curve.breaks(range)).chain([end]).collect();
     let size = nurbs::Hull::of(breaks.iter().map(|t| curve.point(*t))).diagonal();
-    let tolerance = fitting(tolerance, size.max(ramp.at(start).abs()));
-    let halving = Halving { tolerance, depth: HALVINGS, parts: MOST_PARTS };
+    let size = size.max(ramp.at(start).abs());
+    let most = acceptable(tolerance, size);
+    let halving = Halving { tolerance: fitting(tolerance, size), depth: HALVINGS, parts: MOST_PARTS };
     let Quintics { knots, points, error } = quintics(&breaks, at, |a, b| a.distance(b), halving);
     match lost.get() {
         Some(t) => Err(OffsetError::NoDirection(t)),
-        None if error <= tolerance => {
+        None if error <= most => {
             let spline = SpaceCurve::new(KnotVector::new(QUINTIC, knots)?, &points, None)?;
             let made = Curve::Spline { spline, is_closed: curve.period().is_some() };
             Ok(Offset { made, off: error })
         }
-        None => Err(OffsetError::Rough { off: error, tolerance }),
+        None => Err(OffsetError::Rough { off: error, tolerance: most }),
     }
 }
 

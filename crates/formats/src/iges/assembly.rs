@@ -5,6 +5,7 @@ use super::fault::{Fault, fault};
 use super::geometry::Geometry;
 use super::sheet::SURFACES;
 use crate::brep::frame::Motion;
+use crate::brep::gathered::TOO_MANY;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -152,7 +153,7 @@ impl Walk<'_, '_, '_> {
         if self.most < self.entered {
             if !self.is_full {
                 self.is_full = true;
-                self.fail(fault(number, "it and all faces after it are more than are shown"));
+                self.fail(fault(number, TOO_MANY));
             }
             return;
         }

@@ -11,6 +11,7 @@ use super::structure::{Child, REPRESENTATIONS, Structure};
 use super::styles::Styles;
 use super::units::Units;
 use crate::brep::frame::Motion;
+use crate::brep::gathered::TOO_MANY;
 use crate::document::{Attributes, Colour};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -310,5 +311,3 @@ impl Walk<'_, '_> {
         });
     }
 }
-
-const TOO_MANY: &str = "it and all faces after it are more than are shown";

@@ -130,8 +130,9 @@ fn a_bad_part_costs_its_face_and_is_named() {
             w.set_parameters(curve, &format!("1,{curve}"));
             format!("{s},1,0,{}", w.on_surface(s, curve, 0))
         }),
-        ("offset curves are not read", |w, s| {
-            let curve = w.add(130, 0, "0");
+        ("offsets by a function are not read", |w, s| {
+            let line = w.line([0.0; 3], [1.0, 0.0, 0.0]);
+            let curve = w.add(130, 0, &format!("{line},3,{line},1,2,1.0,0.0,1.0,1.0,0.0,0.0,1.0,0.0,1.0"));
             format!("{s},1,0,{}", w.on_surface(s, curve, 0))
         }),
         ("the arc has no radius", |w, s| {
