@@ -297,14 +297,16 @@ impl Pair<'_, '_> {
         if own || behind_own_face() {
             return with_distance();
         }
-        // Of several that hide it each ends nearby, though there may be no place nearby where all of them have.
+        // Of several that hide it from a ray each ends nearby, though there may be no place nearby where all of them have.
         let ends_nearby = |hit: &Hit| {
             let bound = bound_px.max(self.bound_at(hit).across);
-            let is_past = |layers: &[Hit]| layers.iter().all(|q| q.face != hit.face || behind(q));
+            let is_past = |layers: &[Hit]| layers.iter().all(|q| self.exact && q.face != hit.face || behind(q));
             self.near_border(hit, center, bound) || self.passes_by(hit, center, bound, &is_past)
         };
-        let hiding = self.sampler.layers(center.x, center.y).into_iter().filter(|q| hides(&q));
-        let Some(occluder) = once(*occluder).chain(hiding).find(|hit| !ends_nearby(hit)) else {
+        let layers = if self.exact { self.sampler.layers(center.x, center.y) } else { vec![] };
+        let Some(occluder) =
+            once(*occluder).chain(layers.into_iter().filter(|q| hides(&q))).find(|hit| !ends_nearby(hit))
+        else {
             return with_distance();
         };
         let detail =

@@ -15,7 +15,7 @@ fn strict_arithmetic_has_the_bits_of_rusts_own() {
 fn a_digit_that_is_rounded_otherwise_is_named() {
     let device = software();
     let faults = [
-        ("(digits + 1u) >> 1u", "digits >> 1u", "quotient"),
+        ("if (lost > half || (", "if (lost > half && (", "quotient"),
         ("lost == half && (mantissa & 1u) != 0u", "false", "rounded whole number"),
         ("+ (middle >> 16u)", "", "product of whole numbers"),
         // The first that the difference is asked in.
