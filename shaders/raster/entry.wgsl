@@ -1,6 +1,6 @@
 // Triangles without a rasterizer: compute kernels place corners, find who covers each pixel, and run the program there once. They
 // run in the order in which they stand here. Host: crates/techniques/src/triangles/compute.rs.
-// Uses layout.wgsl fragment.wgsl triangles.wgsl resolve.wgsl raster/setup.wgsl raster/clip.wgsl raster/nearest.wgsl
+// Uses layout.wgsl fragment.wgsl triangles.wgsl resolve.wgsl raster/setup.wgsl raster/weights.wgsl raster/clip.wgsl raster/nearest.wgsl
 
 const WORKGROUP: u32 = 64u;
 // Rows of a triangle, and pixels of its area, that one thread goes through at most.

@@ -1,6 +1,6 @@
 // Triangle setup: snapped corners, edge functions for coverage, depth, and what interpolation takes. Twin of
 // crates/raster/src/{vertex,setup}.rs: what decides coverage and depth has the same bits.
-// Uses layout.wgsl raster/strict.wgsl raster/area.wgsl
+// Uses layout.wgsl raster/strict.wgsl
 
 const SUBPIXEL_ONE: f32 = 256.0;
 const PIXEL: i32 = 256;
@@ -9,9 +9,6 @@ const HALF_PIXEL: i32 = 128;
 const NARROW: i32 = 16640;
 // More than what rounding moves the end of a row by: a quotient of up to 2^14 columns, to 2^-21 of itself.
 const ROUNDING_PX: f32 = 1.0 / 16.0;
-
-// How far beyond an edge a triangle is extrapolated, as a share of its height over that edge.
-const BEYOND: f32 = 1.0 / 64.0;
 
 struct Corner {
     // Pixels from the top left corner.
@@ -181,20 +178,4 @@ fn depth_at(t: Flat, values: vec3<f32>) -> f32 {
     let b = t.corners[1].depth;
     let c = t.corners[2].depth;
     return clamp(depth, min(min(a, b), c), max(max(a, b), c));
-}
-
-// How much each corner counts where the edges have these values, in perspective: the areas that the sample of a covered pixel
-// makes with the corners as they were before snapping, but those of the snapped triangle where that would be too far beyond it.
-fn weights_at(t: Flat, pixel: vec2<i32>, values: vec3<f32>) -> vec3<f32> {
-    let sample = vec2<f32>(pixel) + 0.5;
-    let a = t.corners[0].position - sample;
-    let b = t.corners[1].position - sample;
-    let c = t.corners[2].position - sample;
-    let areas = vec3<f32>(area_between(b, c), area_between(c, a), area_between(a, b));
-    let weights = select(areas, -areas, t.turned) * t.share;
-    let sum = weights.x + weights.y + weights.z;
-    if (sum > 0.0 && all(weights >= vec3<f32>(sum * -BEYOND))) {
-        return weights;
-    }
-    return values * t.share;
 }

@@ -1,6 +1,6 @@
 //! Strict programs: no operator on floats is left to an adapter, and what stands in their place has Rust's bits.
 
-use gpu::{Atomics, Device, Operation, Operator};
+use gpu::{Device, Operation, Operator};
 use naga::{Expression, Function, MathFunction, Module, ScalarKind, TypeInner, UnaryOperator};
 use pipeline::wgsl::{self, Variant};
 use pipeline::{Program, TrimMethod};
@@ -51,7 +51,7 @@ fn left(module: &Module) -> Vec<String> {
 fn no_operator_on_floats_is_left_to_an_adapter() {
     for trims in [TrimMethod::Whole, TrimMethod::Curves, TrimMethod::CurvesWithEdges] {
         for (program, curvature) in [(Program::General, true), (Program::Degree(3), false)] {
-            let parts = ByCompute::parts_by(Atomics::Bits32);
+            let parts = ByCompute::strict_parts();
             let plain = wgsl::source(Variant { parts, program, curvature, vertex_normals: false, trims });
             let strict = gpu::strict(&plain).expect("it has a strict form");
             assert_eq!(left(&module(&strict)), [""; 0], "{trims:?} {program:?}");

@@ -297,21 +297,22 @@ impl Pair<'_, '_> {
         if own || behind_own_face() {
             return with_distance();
         }
-        // Of several that hide it from a ray each ends nearby, though there may be no place nearby where all of them have.
-        let ends_nearby = |hit: &Hit| {
-            let bound = bound_px.max(self.bound_at(hit).across);
-            let is_past = |layers: &[Hit]| layers.iter().all(|q| self.exact && q.face != hit.face || behind(q));
-            self.near_border(hit, center, bound) || self.passes_by(hit, center, bound, &is_past)
-        };
-        let layers = if self.exact { self.sampler.layers(center.x, center.y) } else { vec![] };
-        let Some(occluder) =
-            once(*occluder).chain(layers.into_iter().filter(|q| hides(&q))).find(|hit| !ends_nearby(hit))
-        else {
+        let bound = bound_px.max(self.bound_at(occluder).across);
+        let all_behind = |layers: &[Hit]| layers.iter().all(behind);
+        if self.ends_nearby(occluder, center, bound, &all_behind) {
             return with_distance();
+        }
+        // Of several each may end nearby, and no place nearby be beyond all of them.
+        let beyond_each = |hit: &Hit| {
+            let is_past = |layers: &[Hit]| layers.iter().all(|q| q.face != hit.face || behind(q));
+            self.ends_nearby(hit, center, bound_px.max(self.bound_at(hit).across), &is_past)
         };
+        if self.exact && once(*occluder).chain(self.layers(center)).filter(|q| hides(&q)).all(|hit| beyond_each(&hit)) {
+            return with_distance();
+        }
         let detail =
             format!("shown at t = {:.6}, but face {} at t = {:.6} hides it", candidate.t, occluder.face.0, occluder.t);
-        Err(Difference::new(self.unseen(&occluder, Cause::Depth), (candidate.t - occluder.t) / slack, detail).into())
+        Err(Difference::new(self.unseen(occluder, Cause::Depth), (candidate.t - occluder.t) / slack, detail).into())
     }
 
     /// A pixel that only the reference covers.
@@ -341,21 +342,21 @@ impl Pair<'_, '_> {
 
     /// Whether a pixel where one shows a hit, given as the reference, and the other nothing, is beside an edge.
     fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
+        let bound = self.bound_at(reference).across;
         // Two rasterizers may each leave a crack between faces, whose corners are placed in frames of their own.
-        let ends_nearby = |hit: &Hit| {
-            let bound = self.bound_at(hit).across;
-            let is_past = |layers: &[Hit]| match layers.first() {
-                Some(first) if !self.exact => first.face != hit.face,
-                _ => layers.iter().all(|q| q.face != hit.face),
-            };
-            self.near_border(hit, center, bound) || self.passes_by(hit, center, bound, &is_past)
+        let is_edge = |layers: &[Hit]| layers.first().is_none_or(|first| !self.exact && first.face != reference.face);
+        if self.ends_nearby(reference, center, bound, &is_edge) {
+            return Ok(());
+        }
+        let beyond_each = |hit: &Hit| {
+            let is_past = |layers: &[Hit]| layers.iter().all(|q| q.face != hit.face);
+            self.ends_nearby(hit, center, self.bound_at(hit).across, &is_past)
         };
-        // Where rays go through several faces, each of them is missing.
-        let layers = if self.exact { self.sampler.layers(center.x, center.y) } else { vec![] };
-        let Some(reference) = once(*reference).chain(layers).find(|hit| !ends_nearby(hit)) else { return Ok(()) };
-        let bound = self.bound_at(&reference).across;
+        if self.exact && once(*reference).chain(self.layers(center)).all(|hit| beyond_each(&hit)) {
+            return Ok(());
+        }
         let detail = format!("face {} is not shown, and no edge is within {bound:.4} px", reference.face.0);
-        Err(Difference::new(self.unseen(&reference, Cause::Coverage), f64::INFINITY, detail))
+        Err(Difference::new(self.unseen(reference, Cause::Coverage), f64::INFINITY, detail))
     }
 
     /// S at the candidate's (u, v) is not on the pixel's ray: are u and v exchanged, or was interpolation wrong?
@@ -470,6 +471,16 @@ impl Pair<'_, '_> {
                 || self.around(center, bound_px, reference.or(Some(candidate))).any(is_other))
     }
 
+    /// All that the reference draws at a position.
+    fn layers(&self, at: DVec2) -> Vec<Hit> {
+        self.sampler.layers(at.x, at.y)
+    }
+
+    /// Whether a hit's face ends within the bound: at a border, or where `is_past` holds of what is drawn there.
+    fn ends_nearby(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(&[Hit]) -> bool) -> bool {
+        self.near_border(hit, center, bound) || self.passes_by(hit, center, bound, is_past)
+    }
+
     /// Whether the reference draws, at a position within the bound, nothing of `hit`: layers of which `is_past` holds.
     ///
     /// Where loops bound the face, and it is another one that is seen there, its surface must end before that position, in a
@@ -477,7 +488,7 @@ impl Pair<'_, '_> {
     fn passes_by(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(&[Hit]) -> bool) -> bool {
         let is_bounded = self.setting.model.region(hit.face).is_some();
         self.places(center, bound, Some(hit)).any(|p| {
-            let layers = self.sampler.layers(p.x, p.y);
+            let layers = self.layers(p);
             let is_other = || layers.first().is_none_or(|q| q.face != hit.face);
             let is_cut = || is_bounded && is_other() && self.setting.goes_on_at(hit, p);
             is_past(&layers) && !is_cut()

@@ -26,7 +26,8 @@ impl Way {
         match self.path {
             Path::Fragment => self.technique.parts(),
             Path::Compute => ByCompute::parts_by(Atomics::Bits64),
-            Path::Compute32 | Path::Strict => ByCompute::parts_by(Atomics::Bits32),
+            Path::Compute32 => ByCompute::parts_by(Atomics::Bits32),
+            Path::Strict => ByCompute::strict_parts(),
         }
     }
 

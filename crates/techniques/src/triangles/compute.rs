@@ -23,6 +23,12 @@ const CLIP: Part = Part { file: "raster/clip.wgsl", text: include_str!("../../..
 const AREA: Part = Part { file: "raster/area.wgsl", text: include_str!("../../../../shaders/raster/area.wgsl") };
 const SETUP: Part = Part { file: "raster/setup.wgsl", text: include_str!("../../../../shaders/raster/setup.wgsl") };
 
+/// How corners are weighed: by the snapped triangle, or as the CPU rasterizer does. One file's place.
+const WEIGHTS: Part =
+    Part { file: "raster/weights.wgsl", text: include_str!("../../../../shaders/raster/weights.wgsl") };
+const WEIGHTS_STRICT: Part =
+    Part { file: "raster/weights.wgsl", text: include_str!("../../../../shaders/raster/weights_strict.wgsl") };
+
 /// The arithmetic that has the same bits everywhere.
 pub const STRICT: Part =
     Part { file: "raster/strict.wgsl", text: include_str!("../../../../shaders/raster/strict.wgsl") };
@@ -34,10 +40,13 @@ const NEAREST_32: Part =
     Part { file: "raster/nearest.wgsl", text: include_str!("../../../../shaders/raster/nearest32.wgsl") };
 
 /// The parts of a program by atomics of 64 bits.
-const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, AREA, STRICT, NEAREST_64, SAMPLE, resolve::PART];
+const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, WEIGHTS, STRICT, NEAREST_64, SAMPLE, resolve::PART];
 
 /// The same by atomics of 32 bits.
-const PARTS_32: &[Part] = &[ENTRY, CLIP, SETUP, AREA, STRICT, NEAREST_32, SAMPLE, resolve::PART];
+const PARTS_32: &[Part] = &[ENTRY, CLIP, SETUP, WEIGHTS, STRICT, NEAREST_32, SAMPLE, resolve::PART];
+
+/// The same with the CPU rasterizer's interpolation.
+const PARTS_STRICT: &[Part] = &[ENTRY, CLIP, SETUP, WEIGHTS_STRICT, AREA, STRICT, NEAREST_32, SAMPLE, resolve::PART];
 
 /// Threads of a workgroup in `shaders/raster/entry.wgsl`.
 const WORKGROUP: u32 = 64;
@@ -137,6 +146,11 @@ impl ByCompute {
         }
     }
 
+    /// The parts of the program that [`Self::strict`] draws by.
+    pub fn strict_parts() -> &'static [Part] {
+        PARTS_STRICT
+    }
+
     /// What is prepared, drawn by kernels with these atomics; `None` where it has no triangles.
     pub fn new(prepared: Arc<dyn Prepared>, atomics: Atomics) -> Option<Self> {
         prepared.mesh()?;
@@ -160,7 +174,7 @@ impl Drawable for ByCompute {
     }
 
     fn parts(&self) -> &'static [Part] {
-        Self::parts_by(self.atomics)
+        if self.is_strict { Self::strict_parts() } else { Self::parts_by(self.atomics) }
     }
 
     fn is_strict(&self) -> bool {
