@@ -298,8 +298,8 @@ impl Pair<'_, '_> {
             return with_distance();
         }
         let bound = bound_px.max(self.bound_at(occluder).across);
-        let all_behind = |layers: &[Hit]| layers.iter().all(behind);
-        if self.ends_nearby(occluder, center, bound, &all_behind) {
+        let is_behind = |layers: &[Hit]| layers.first().is_none_or(behind);
+        if self.ends_nearby(occluder, center, bound, &is_behind) {
             return with_distance();
         }
         // Of several each may end nearby, and no place nearby be beyond all of them.
