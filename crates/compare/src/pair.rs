@@ -294,20 +294,13 @@ impl Pair<'_, '_> {
             let chords = 2.0 * self.edge_chord(candidate);
             !self.exact && occluder.face == candidate.face && candidate.t - occluder.t <= slack + chords
         };
-        if own || behind_own_face() {
-            return with_distance();
-        }
         let bound = bound_px.max(self.bound_at(occluder).across);
-        let is_behind = |layers: &[Hit]| layers.first().is_none_or(behind);
-        if self.ends_nearby(occluder, center, bound, &is_behind) {
-            return with_distance();
-        }
-        // Of several each may end nearby, and no place nearby be beyond all of them.
-        let beyond_each = |hit: &Hit| {
-            let is_past = |layers: &[Hit]| layers.iter().all(|q| q.face != hit.face || behind(q));
-            self.ends_nearby(hit, center, bound_px.max(self.bound_at(hit).across), &is_past)
-        };
-        if self.exact && once(*occluder).chain(self.layers(center)).filter(|q| hides(&q)).all(|hit| beyond_each(&hit)) {
+        let hiding = || once(*occluder).chain(self.layers(center)).filter(|q| hides(&q));
+        if own
+            || behind_own_face()
+            || self.ends_nearby(occluder, center, bound, &|_, first| first.is_none_or(behind))
+            || self.exact && self.each_ends_nearby(hiding(), center, bound_px, &|q| !behind(q))
+        {
             return with_distance();
         }
         let detail =
@@ -344,15 +337,11 @@ impl Pair<'_, '_> {
     fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
         let bound = self.bound_at(reference).across;
         // Two rasterizers may each leave a crack between faces, whose corners are placed in frames of their own.
-        let is_edge = |layers: &[Hit]| layers.first().is_none_or(|first| !self.exact && first.face != reference.face);
-        if self.ends_nearby(reference, center, bound, &is_edge) {
-            return Ok(());
-        }
-        let beyond_each = |hit: &Hit| {
-            let is_past = |layers: &[Hit]| layers.iter().all(|q| q.face != hit.face);
-            self.ends_nearby(hit, center, self.bound_at(hit).across, &is_past)
-        };
-        if self.exact && once(*reference).chain(self.layers(center)).all(|hit| beyond_each(&hit)) {
+        let is_edge = |first: Option<&Hit>| first.is_none_or(|q| !self.exact && q.face != reference.face);
+        let missing = || once(*reference).chain(self.layers(center));
+        if self.ends_nearby(reference, center, bound, &|_, first| is_edge(first))
+            || self.exact && self.each_ends_nearby(missing(), center, 0.0, &|_| true)
+        {
             return Ok(());
         }
         let detail = format!("face {} is not shown, and no edge is within {bound:.4} px", reference.face.0);
@@ -476,22 +465,38 @@ impl Pair<'_, '_> {
         self.sampler.layers(at.x, at.y)
     }
 
-    /// Whether a hit's face ends within the bound: at a border, or where `is_past` holds of what is drawn there.
-    fn ends_nearby(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(&[Hit]) -> bool) -> bool {
+    /// Whether a hit's face ends within the bound: at a border, or where the reference sees past it.
+    fn ends_nearby(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(DVec2, Option<&Hit>) -> bool) -> bool {
         self.near_border(hit, center, bound) || self.passes_by(hit, center, bound, is_past)
     }
 
-    /// Whether the reference draws, at a position within the bound, nothing of `hit`: layers of which `is_past` holds.
+    /// Whether the face of each of these hits ends within the bound, of at least `bound_px`, as far as it is in the way: there may be
+    /// no place nearby that is beyond all of them.
+    fn each_ends_nearby(
+        &self,
+        mut hits: impl Iterator<Item = Hit>,
+        center: DVec2,
+        bound_px: f64,
+        is_in_the_way: &dyn Fn(&Hit) -> bool,
+    ) -> bool {
+        hits.all(|hit| {
+            let bound = bound_px.max(self.bound_at(&hit).across);
+            let is_past = |p, _: Option<&Hit>| self.layers(p).iter().all(|q| q.face != hit.face || !is_in_the_way(q));
+            self.ends_nearby(&hit, center, bound, &is_past)
+        })
+    }
+
+    /// Whether, at a position within the bound, the reference sees past the point of `hit`: `is_past` holds of the position and of
+    /// what is seen there.
     ///
     /// Where loops bound the face, and it is another one that is seen there, its surface must end before that position, in a
     /// fold or at the domain's border, which seen edge-on a chord may fall short of: a trim edge inside is no silhouette.
-    fn passes_by(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(&[Hit]) -> bool) -> bool {
+    fn passes_by(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(DVec2, Option<&Hit>) -> bool) -> bool {
         let is_bounded = self.setting.model.region(hit.face).is_some();
         self.places(center, bound, Some(hit)).any(|p| {
-            let layers = self.layers(p);
-            let is_other = || layers.first().is_none_or(|q| q.face != hit.face);
-            let is_cut = || is_bounded && is_other() && self.setting.goes_on_at(hit, p);
-            is_past(&layers) && !is_cut()
+            let first = self.sampler.first(p.x, p.y);
+            let is_other = || first.is_none_or(|q| q.face != hit.face);
+            is_past(p, first.as_ref()) && !(is_bounded && is_other() && self.setting.goes_on_at(hit, p))
         })
     }
 

@@ -56,9 +56,7 @@ impl Colour {
         let is_number = parts.iter().all(|part| !part.is_nan());
         is_number.then(|| Self(parts.map(|part| (255.0 * part.clamp(0.0, 1.0)).round() as u8)))
     }
-}
 
-impl Colour {
     /// From `#rrggbb`, as it is displayed, in digits of either case; `None` where the text is none.
     pub fn of_text(text: &str) -> Option<Self> {
         let digits =

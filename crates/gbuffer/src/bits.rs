@@ -20,7 +20,7 @@ pub struct Unlike {
 pub struct UnlikeNumber {
     /// Column and row.
     pub pixel: [usize; 2],
-    /// The array, as in a `.npz` file; `hit` where one alone sees anything.
+    /// The array, by the name of its values in a [`Hit`]; `hit` where one alone sees anything.
     pub array: &'static str,
     /// Which of the array's numbers of that pixel.
     pub component: usize,
