@@ -42,7 +42,7 @@ struct Call {
 @group(1) @binding(0) var<storage, read> mesh: array<u32>;
 // A vertex: x and y in the picture, depth, 1 / w.
 @group(1) @binding(1) var<storage, read_write> corners: array<vec4<f32>>;
-// Counts, then triangles that wait: large ones from the front on, cut ones from the back; then questions that wait.
+// Whether a subnormal number was to be multiplied, then counts, then triangles that wait: large ones from the front on, cut ones from the back; then questions that wait.
 @group(1) @binding(3) var<storage, read_write> queue: array<atomic<u32>>;
 @group(1) @binding(4) var<uniform> call: Call;
 

@@ -1,6 +1,10 @@
 // What the operators of a strict program are made of: IEEE 754 on 32 bits, rounded to nearest, halves to even, with the numbers
 // below the least normal one. crates/gpu/src/ieee.rs puts these functions in the place of the operators.
-// Uses raster/strict.wgsl
+// Uses raster/strict.wgsl, and `raise_subnormal` of the program.
+
+// Whether subnormal numbers, those below the least normal one, are multiplied. That takes most of the code. Otherwise such a product
+// is raised, and the picture is drawn again.
+override MULTIPLIES_SUBNORMALS: bool = true;
 
 // 2^-100: what is at least as large is summed by the adapter itself.
 const SMALL: u32 = 0x0d800000u;
@@ -73,6 +77,14 @@ fn ieee_product(a: f32, b: f32) -> f32 {
     if (of_a == 0u || of_b == 0u) {
         return bitcast<f32>(sign);
     }
+    if (!MULTIPLIES_SUBNORMALS) {
+        if (min(of_a, of_b) < LEADING) {
+            raise_subnormal();
+        } else if ((bitcast<u32>(p) & MAGNITUDE) <= LEADING) {
+            return bitcast<f32>(sign | subnormal_product(of_a, of_b));
+        }
+        return p;
+    }
     let x = unpacked(of_a);
     let y = unpacked(of_b);
     let w = wide_product(i32(x.mantissa), i32(y.mantissa));
@@ -81,6 +93,25 @@ fn ieee_product(a: f32, b: f32) -> f32 {
     let high = (u32(w.high) << (32u - shift)) | (w.low >> shift);
     let rest = (w.low & ((1u << shift) - 1u)) != 0u;
     return bitcast<f32>(sign | packed(x.exponent + y.exponent - 148 + i32(shift), high, 2u, rest));
+}
+
+// Bits of a product that is at most the least normal number, of normal numbers.
+fn subnormal_product(a: u32, b: u32) -> u32 {
+    // Mantissas of 24 bits, in halves: the product has 24 high bits or 23, and 24 low ones.
+    let x = vec2<u32>(((a & 0x7fffffu) | LEADING) >> 12u, a & 0xfffu);
+    let y = vec2<u32>(((b & 0x7fffffu) | LEADING) >> 12u, b & 0xfffu);
+    let lowest = x.y * y.y;
+    let middle = x.x * y.y + x.y * y.x + (lowest >> 12u);
+    let high = x.x * y.x + (middle >> 12u);
+    let low = ((middle & 0xfffu) << 12u) | (lowest & 0xfffu);
+    // Three more bits, of which the last says whether there is anything behind them.
+    let digits = (high << 3u) | (low >> 21u) | select(0u, 1u, (low & 0x1fffffu) != 0u);
+    // From there to units of 2^-149: at least 2 bits.
+    let shift = min(130u - (a >> 23u) - (b >> 23u), 31u);
+    let rest = digits & ((1u << shift) - 1u);
+    let halfway = 1u << (shift - 1u);
+    let units = digits >> shift;
+    return units + select(0u, 1u, rest > halfway || (rest == halfway && (units & 1u) != 0u));
 }
 
 fn ieee_quotient(a: f32, b: f32) -> f32 {

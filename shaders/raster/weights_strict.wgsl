@@ -1,5 +1,5 @@
 // How much each corner of a triangle counts at a pixel, with the CPU rasterizer's bits. Twin of crates/raster/src/setup.rs.
-// Uses raster/setup.wgsl raster/area.wgsl
+// Uses raster/setup.wgsl raster/area.wgsl raster/subnormal.wgsl
 
 // How far beyond an edge a triangle is extrapolated, as a share of its height over that edge.
 const BEYOND: f32 = 1.0 / 64.0;

@@ -66,21 +66,31 @@ fn no_operator_on_floats_is_left_to_an_adapter() {
 #[test]
 fn what_has_no_strict_form_is_refused() {
     let strict = include_str!("../../shaders/raster/strict.wgsl");
-    let refused = format!("{strict}fn f(x: f32) -> f32 {{ return exp(x); }}\n");
+    let refused = format!("{strict}fn raise_subnormal() {{}}\nfn f(x: f32) -> f32 {{ return exp(x); }}\n");
     assert!(gpu::strict(&refused).is_err_and(|error| error.to_string().contains("no strict form of Exp")));
 }
 
-/// How many of 2^18 results have other bits than Rust's.
-fn differ(device: &Device, operation: Operation, operands: Operands, edit: &dyn Fn(String) -> String) -> usize {
+type Edit<'e> = &'e dyn Fn(String) -> String;
+
+/// Of 2^18 results, how many have other bits than Rust's, and the operands of those that raised and were not computed.
+fn tried(
+    device: &Device,
+    operation: Operation,
+    operands: Operands,
+    computes: bool,
+    edit: Edit<'_>,
+) -> (usize, Vec<[f32; 2]>) {
     let pairs = operands.pairs(0, 1 << 18);
-    let results = Operator::new(device, operation, edit).and_then(|operator| operator.results(&pairs));
-    unlike(operation, &pairs, &results.expect("it runs")).len()
+    let results = Operator::new(device, operation, computes, edit).and_then(|operator| operator.results(&pairs));
+    let results = results.expect("it runs");
+    let differ = unlike(operation, &pairs, &results).len();
+    (differ, pairs.into_iter().zip(results).filter(|(_, result)| result.is_none()).map(|(pair, _)| pair).collect())
 }
 
 #[test]
 fn each_operation_has_rusts_bits_and_planted_faults_have_not() {
     use Operands::{Bits, InOrder, Mantissas, Near, Tiny};
-    use Operation::{Difference, Less, Product, Quotient, Root, Sum};
+    use Operation::{Difference, Less, Product, ProductAndSum, Products, Quotient, Root, Rounding, Sum};
     let device = Device::open(Some("llvmpipe")).expect("the software adapter");
     for (operation, operands) in [
         (Root, Bits),
@@ -94,20 +104,32 @@ fn each_operation_has_rusts_bits_and_planted_faults_have_not() {
         (Sum, Bits),
         (Difference, Near),
         (Less, Bits),
+        (ProductAndSum, Mantissas),
+        (Products, Mantissas),
+        (Rounding, Mantissas),
     ] {
-        assert_eq!(differ(&device, operation, operands, &|source| source), 0, "{operation:?} of {operands:?}");
+        let whole = tried(&device, operation, operands, true, &|source| source);
+        assert_eq!(whole, (0, vec![]), "{operation:?} of {operands:?}");
+        // Without products of subnormal numbers none is wrong, and none else is left out.
+        let (differ, raised) = tried(&device, operation, operands, false, &|source| source);
+        assert_eq!(differ, 0, "{operation:?} of {operands:?}");
+        let is_subnormal = |pair: &[f32; 2]| pair.iter().any(|x| x.is_subnormal());
+        assert!(raised.iter().all(is_subnormal), "{operation:?} of {operands:?}: {raised:?}");
+        assert_eq!(operation == Product, !raised.is_empty(), "{operation:?} of {operands:?}");
     }
-    let faults: [(Operation, Operands, &str, &str); 4] = [
-        (Quotient, Mantissas, "lost == half", "lost != half"),
-        (Quotient, Tiny, "lost > half", "lost >= half"),
-        (Root, Bits, "& 1u)", "& 0u)"),
-        (Sum, Near, "838860800u", "847249408u"),
+    let faults = [
+        (Quotient, Mantissas, true, "lost == half", "lost != half"),
+        (Quotient, Tiny, true, "lost > half", "lost >= half"),
+        (Root, Bits, true, "& 1u)", "& 0u)"),
+        (Sum, Near, true, "838860800u", "847249408u"),
+        (Product, Tiny, false, "130u", "131u"),
     ];
-    for (operation, operands, right, wrong) in faults {
+    for (operation, operands, computes, right, wrong) in faults {
         let edit = |source: String| {
             assert!(source.contains(right), "{right}");
             source.replace(right, wrong)
         };
-        assert!(differ(&device, operation, operands, &edit) > 0, "{operation:?}, {wrong} for {right}");
+        let (differ, _) = tried(&device, operation, operands, computes, &edit);
+        assert!(differ > 0, "{operation:?}, {wrong} for {right}");
     }
 }

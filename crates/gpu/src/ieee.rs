@@ -26,7 +26,12 @@ const GREATEST: &str = "340282346638528859811704183484516925440f";
 /// What is asked of an adapter beside integers: the functions in which its own operators on floats stay, each behind a barrier.
 const OWN: [&str; 4] = ["ieee_sum", "ieee_product", "hundred_up", "hundred_down"];
 
-/// The same program in IEEE 754's arithmetic.
+/// What a pipeline of a strict program takes: whether it multiplies subnormal numbers, or raises such products.
+pub fn constants(subnormals: bool) -> [(&'static str, f64); 1] {
+    [("MULTIPLIES_SUBNORMALS", f64::from(u8::from(subnormals)))]
+}
+
+/// The same program in IEEE 754's arithmetic. It must have a function `raise_subnormal`, and its pipelines take [`constants`].
 ///
 /// # Errors
 /// [`GpuError::Shader`] where the program is illegal, or holds an operation that has no strict form.

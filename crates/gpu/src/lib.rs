@@ -28,7 +28,7 @@ pub use buffers::{SceneBuffers, SceneLayouts};
 pub use device::{AdapterInfo, AdapterKind, Atomics, COMPILER, Device, adapters};
 pub use error::{GpuError, SOFTWARE_DRIVER};
 pub use faults::{DepthOrder, Overrides};
-pub use ieee::strict;
+pub use ieee::{constants as strict_constants, strict};
 pub use masks::{MaskAtlas, MaskBlend, MaskPainter};
 pub use modules::{Modules, as_shader_error};
 pub use operation::{Operation, Operator};

@@ -31,11 +31,27 @@ pub enum Operation {
     Root,
     /// 1 where a < b, else 0.
     Less,
+    /// a b + a, which an adapter may fuse.
+    ProductAndSum,
+    /// a b − b a, which is zero unless one product is fused.
+    Products,
+    /// What is lost of a + b by rounding (Knuth's TwoSum), which is zero for a compiler that takes floats for real numbers.
+    Rounding,
 }
 
 impl Operation {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Sum, Self::Difference, Self::Product, Self::Quotient, Self::Root, Self::Less];
+    pub const ALL: [Self; 9] = [
+        Self::Sum,
+        Self::Difference,
+        Self::Product,
+        Self::Quotient,
+        Self::Root,
+        Self::Less,
+        Self::ProductAndSum,
+        Self::Products,
+        Self::Rounding,
+    ];
 
     fn text(self) -> &'static str {
         match self {
@@ -45,6 +61,9 @@ impl Operation {
             Self::Quotient => "a / b",
             Self::Root => "sqrt(a)",
             Self::Less => "select(0.0, 1.0, a < b)",
+            Self::ProductAndSum => "a * b + a",
+            Self::Products => "a * b - b * a",
+            Self::Rounding => "(a - ((a + b) - ((a + b) - a))) + (b - ((a + b) - a))",
         }
     }
 
@@ -57,6 +76,9 @@ impl Operation {
             Self::Quotient => a / b,
             Self::Root => a.sqrt(),
             Self::Less => f32::from(u8::from(a < b)),
+            Self::ProductAndSum => a * b + a,
+            Self::Products => a * b - b * a,
+            Self::Rounding => (a - ((a + b) - ((a + b) - a))) + (b - ((a + b) - a)),
         }
     }
 }
@@ -70,11 +92,17 @@ pub struct Operator<'d> {
 }
 
 impl<'d> Operator<'d> {
-    /// Compiles it. `edit` changes the program's text, so that a test can plant a fault.
+    /// Compiles it, with products of subnormal numbers or without. `edit` changes the program's text, so that a test can
+    /// plant a fault.
     ///
     /// # Errors
     /// [`GpuError::Shader`] where the text is illegal; [`GpuError::OutOfMemory`], [`GpuError::Lost`].
-    pub fn new(device: &'d Device, operation: Operation, edit: &dyn Fn(String) -> String) -> Result<Self, GpuError> {
+    pub fn new(
+        device: &'d Device,
+        operation: Operation,
+        subnormals: bool,
+        edit: &dyn Fn(String) -> String,
+    ) -> Result<Self, GpuError> {
         let result = format!("fn result(a: f32, b: f32) -> f32 {{ return {}; }}\n", operation.text());
         let program = Program::General;
         let module = device.module(program, edit(ieee::strict(&format!("{OPERATE}{result}"))?))?;
@@ -86,18 +114,18 @@ impl<'d> Operator<'d> {
             let zeros = device.group("zeros", &barrier, [(5, buffer.as_entire_binding())]);
             (layout, operands, zeros)
         })?;
-        let pipeline = device.kernel(&layout, (program, &module), "operate", &[])?;
+        let pipeline = device.kernel(&layout, (program, &module), "operate", &ieee::constants(subnormals))?;
         Ok(Self { device, pipeline, operands, zeros })
     }
 
-    /// What the device makes of each pair of operands.
+    /// What the device makes of each pair of operands; `None` where a product of a subnormal number was raised.
     ///
     /// # Errors
     /// [`GpuError::Limit`] where there are too many at once; [`GpuError::OutOfMemory`], [`GpuError::Timeout`], [`GpuError::Lost`].
-    pub fn results(&self, operands: &[[f32; 2]]) -> Result<Vec<f32>, GpuError> {
+    pub fn results(&self, operands: &[[f32; 2]]) -> Result<Vec<Option<f32>>, GpuError> {
         let Self { device, pipeline, .. } = self;
         let asked = device.storage("operands", bytemuck::cast_slice(operands))?;
-        let answered = device.empty("results", 4 * operands.len().max(1) as u64)?;
+        let answered = device.empty("results", 8 * operands.len().max(1) as u64)?;
         let encoder = device.guarded(OPERATING, || {
             let group = device.group("operands", &self.operands, whole([&asked, &answered]));
             let mut encoder = device.wgpu.create_command_encoder(&Default::default());
@@ -111,8 +139,8 @@ impl<'d> Operator<'d> {
             encoder
         })?;
         device.submit(OPERATING, encoder)?;
-        let mut results = vec![0.0; operands.len()];
+        let mut results = vec![[0u32; 2]; operands.len()];
         device.read_buffer(OPERATING, &answered, 0, bytemuck::cast_slice_mut(&mut results))?;
-        Ok(results)
+        Ok(results.into_iter().map(|[bits, raised]| (raised == 0).then_some(f32::from_bits(bits))).collect())
     }
 }

@@ -295,9 +295,9 @@ impl<'a> Renderer<'a> {
         output: Output,
     ) -> Result<(Targets, Box<dyn Frame>), GpuError> {
         self.buffers.write_views(self.device, views)?;
-        self.pass.prepare(self.device, &self.modules, output)?;
         let targets = Targets::new(self.device, viewport, output, self.pass.usage())?;
         loop {
+            self.pass.prepare(self.device, &self.modules, output)?;
             let frame = self.pass.frame(self.device, &targets)?;
             let encoder = self.encode(&targets, &*frame, None)?;
             self.device.submit("drawing", encoder)?;

@@ -68,7 +68,7 @@ impl Operands {
 }
 
 /// What is tried: an operation, its operands, and how many pairs of them by `Few` and by `All`.
-const TRIALS: [(Operation, Operands, [u64; 2]); 12] = [
+const TRIALS: [(Operation, Operands, [u64; 2]); 18] = [
     (Operation::Root, Operands::InOrder, [CHUNK, 1 << 32]),
     (Operation::Root, Operands::Bits, [CHUNK, CHUNK]),
     (Operation::Quotient, Operands::Mantissas, [CHUNK, 1 << 30]),
@@ -81,6 +81,12 @@ const TRIALS: [(Operation, Operands, [u64; 2]); 12] = [
     (Operation::Difference, Operands::Near, [CHUNK, 1 << 26]),
     (Operation::Less, Operands::Bits, [CHUNK, 1 << 24]),
     (Operation::Less, Operands::Near, [CHUNK, 1 << 24]),
+    (Operation::ProductAndSum, Operands::Bits, [CHUNK, 1 << 26]),
+    (Operation::ProductAndSum, Operands::Mantissas, [CHUNK, 1 << 26]),
+    (Operation::Products, Operands::Bits, [CHUNK, 1 << 26]),
+    (Operation::Products, Operands::Mantissas, [CHUNK, 1 << 26]),
+    (Operation::Rounding, Operands::Near, [CHUNK, 1 << 26]),
+    (Operation::Rounding, Operands::Mantissas, [CHUNK, 1 << 26]),
 ];
 
 /// Tries all, prints a line each, and returns how many differ.
@@ -92,17 +98,23 @@ pub fn run(device: &Device, amount: Amount) -> Result<usize> {
     for (operation, operands, [few, all]) in TRIALS {
         let count = if amount == Amount::All { all } else { few };
         let began = Instant::now();
-        let operator = Operator::new(device, operation, &|source| source)?;
-        let (mut differ, mut first) = (0, None);
+        let operators = [true, false].map(|computes| Operator::new(device, operation, computes, &|source| source));
+        let [whole, lean] = operators;
+        let [whole, lean] = [whole?, lean?];
+        let (mut differ, mut raised, mut first) = (0, 0, None);
         for start in (0..count).step_by(CHUNK as usize) {
             let pairs = operands.pairs(start, CHUNK as usize);
-            let results = operator.results(&pairs)?;
-            let found = unlike(operation, &pairs, &results);
-            differ += found.len();
-            first = first.or(found.first().copied());
+            for operator in [&whole, &lean] {
+                let results = operator.results(&pairs)?;
+                let found = unlike(operation, &pairs, &results);
+                differ += found.len();
+                raised += results.iter().filter(|result| result.is_none()).count();
+                first = first.or(found.first().copied());
+            }
         }
         let seconds = began.elapsed().as_secs_f64();
-        say!("{:24} {count} pairs, {differ} differ, {seconds:.1} s", format!("{operation:?}, {operands:?}"))?;
+        let name = format!("{operation:?}, {operands:?}");
+        say!("{name:26} {count} pairs, {differ} differ, {raised} raised, {seconds:.1} s")?;
         if let Some(([a, b], result)) = first {
             let [exact, result] = [operation.exact([a, b]), result].map(f32::to_bits);
             say!("    first at {:08x}, {:08x}: {exact:08x} is right, {result:08x} came", a.to_bits(), b.to_bits())?;
@@ -112,11 +124,13 @@ pub fn run(device: &Device, amount: Amount) -> Result<usize> {
     Ok(wrong)
 }
 
-/// The pairs of operands of which a result has other bits than Rust's. Of what is no number only that is asked.
-pub fn unlike(operation: Operation, pairs: &[[f32; 2]], results: &[f32]) -> Vec<([f32; 2], f32)> {
-    let is_unlike = |(pair, result): &(&[f32; 2], &f32)| {
-        let exact = operation.exact(**pair);
-        exact.to_bits() != result.to_bits() && !(exact.is_nan() && result.is_nan())
+/// The pairs of operands of which a result has other bits than Rust's. Of what is no number only that is asked, and nothing of a
+/// result that was raised.
+pub fn unlike(operation: Operation, pairs: &[[f32; 2]], results: &[Option<f32>]) -> Vec<([f32; 2], f32)> {
+    let other = |(&pair, result): (&[f32; 2], &Option<f32>)| {
+        let (exact, result) = (operation.exact(pair), (*result)?);
+        let is_other = exact.to_bits() != result.to_bits() && !(exact.is_nan() && result.is_nan());
+        is_other.then_some((pair, result))
     };
-    pairs.par_iter().zip(results).filter(is_unlike).map(|(&pair, &result)| (pair, result)).collect()
+    pairs.par_iter().zip(results).filter_map(other).collect()
 }

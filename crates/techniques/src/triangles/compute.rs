@@ -7,12 +7,13 @@ use crate::triangles::SAMPLE;
 use bytemuck::{Pod, Zeroable};
 use gpu::groups::{PART_STRIDE, READ, UNIFORM, UNIFORM_AT, WRITE, part, whole, workgroups};
 use gpu::{
-    Atomics, DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, SceneBuffers, Stamps, Targets,
+    Atomics, DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, Room, SceneBuffers, Stamps, Targets,
 };
 use pipeline::wgsl::Part;
 use pipeline::{Mesh, Program, Vertex};
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use wgpu::{BufferUsages, ShaderStages, TextureUsages};
 
 /// The kernels, whatever the atomics.
@@ -42,17 +43,25 @@ const NEAREST_32: Part =
 /// The parts of a program by atomics of 64 bits.
 const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, WEIGHTS, STRICT, NEAREST_64, SAMPLE, resolve::PART];
 
+/// How a strict program raises a product of a subnormal number.
+const SUBNORMAL: Part =
+    Part { file: "raster/subnormal.wgsl", text: include_str!("../../../../shaders/raster/subnormal.wgsl") };
+
 /// The same by atomics of 32 bits.
 const PARTS_32: &[Part] = &[ENTRY, CLIP, SETUP, WEIGHTS, STRICT, NEAREST_32, SAMPLE, resolve::PART];
 
 /// The same with the CPU rasterizer's interpolation.
-const PARTS_STRICT: &[Part] = &[ENTRY, CLIP, SETUP, WEIGHTS_STRICT, AREA, STRICT, NEAREST_32, SAMPLE, resolve::PART];
+const PARTS_STRICT: &[Part] =
+    &[ENTRY, CLIP, SETUP, WEIGHTS_STRICT, AREA, STRICT, SUBNORMAL, NEAREST_32, SAMPLE, resolve::PART];
 
 /// Threads of a workgroup in `shaders/raster/entry.wgsl`.
 const WORKGROUP: u32 = 64;
 
 /// Workgroups that share triangles of unknown number: enough to fill the largest chips, and soon done where there are none.
 const SHARING: u32 = 2048;
+
+/// Words of the queue before the counts: whether a subnormal number was to be multiplied.
+const FIRST_COUNT: usize = 1;
 
 /// Counts a call and round: large triangles, cut ones, and questions.
 const COUNTS: usize = 3;
@@ -199,6 +208,7 @@ impl Drawable for ByCompute {
         let pipelines = HashMap::new();
         Ok(Box::new(Kernels {
             technique,
+            subnormals: self.is_strict.then(Subnormals::default),
             depth,
             is_trimmed: scene.is_trimmed,
             fed,
@@ -240,9 +250,9 @@ impl Fed {
         })
     }
 
-    /// Bytes of the counts, at the queue's start.
+    /// Bytes that a frame begins with as zeros, at the queue's start.
     fn counts(&self) -> u64 {
-        4 * (COUNTS * self.rounds * self.batches.len()) as u64
+        4 * (FIRST_COUNT + COUNTS * self.rounds * self.batches.len()) as u64
     }
 
     /// Bytes of the counts and of all triangles.
@@ -252,7 +262,6 @@ impl Fed {
 
     /// A call a batch and round, with room for so many questions.
     fn calls(&self, targets: &Targets, room: u64) -> Vec<Call> {
-        let all_counts = COUNTS * self.rounds * self.batches.len();
         let nothing = targets.nothing();
         let call = |(index, &(_, [first, count])): (usize, &(Program, [u32; 2])), round: usize| Call {
             first,
@@ -261,8 +270,8 @@ impl Fed {
             height: targets.viewport.height() as u32,
             indices: self.vertices * (size_of::<Vertex>() / 4) as u32,
             vertices: self.vertices,
-            counts: (COUNTS * (round * self.batches.len() + index)) as u32,
-            waiting: all_counts as u32 + first,
+            counts: (FIRST_COUNT + COUNTS * (round * self.batches.len() + index)) as u32,
+            waiting: (self.counts() / 4) as u32 + first,
             clears: u32::from(index == 0),
             questions: (self.waiting() / 4) as u32,
             room: room as u32,
@@ -276,9 +285,21 @@ impl Fed {
     }
 }
 
+/// Products of subnormal numbers take much code, which an adapter may compile for minutes. So strict kernels go without it until a frame
+/// has any.
+#[derive(Default)]
+struct Subnormals {
+    /// Whether the pipelines that are there compute them.
+    are_multiplied: bool,
+    /// Whether a frame had any.
+    are_met: Arc<AtomicBool>,
+}
+
 /// The pass.
 struct Kernels {
     technique: &'static str,
+    /// Of strict kernels.
+    subnormals: Option<Subnormals>,
     depth: DepthOrder,
     is_trimmed: bool,
     fed: Fed,
@@ -304,7 +325,10 @@ impl Kernels {
             Kernel::Resolve(output) => &self.resolve_layouts[&output].1,
             _ => &self.cover_layout,
         };
-        let constants = [("FARTHEST", f64::from(u8::from(self.depth == DepthOrder::Farthest)))];
+        let mut constants = vec![("FARTHEST", f64::from(u8::from(self.depth == DepthOrder::Farthest)))];
+        if let Some(subnormals) = &self.subnormals {
+            constants.extend(gpu::strict_constants(subnormals.are_multiplied));
+        }
         device.kernel(layout, (program, module), kernel.entry(), &constants)
     }
 }
@@ -319,6 +343,10 @@ impl Pass for Kernels {
     }
 
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
+        if let Some(subnormals) = self.subnormals.as_mut().filter(|of| !of.are_multiplied && of.are_met.load(Relaxed)) {
+            subnormals.are_multiplied = true;
+            self.pipelines.clear();
+        }
         let is_run = |kernel: &Kernel| self.is_trimmed || !kernel.is_answer();
         let covering = Kernel::THAT_COVER.into_iter().filter(is_run);
         let kernels: Vec<_> = covering.chain([Kernel::PlaceCorners, Kernel::Resolve(output)]).collect();
@@ -337,7 +365,7 @@ impl Pass for Kernels {
         let pixels = targets.viewport.pixels() as u64;
         let seen = device.empty("who is seen", 8 * pixels)?;
         let room = if self.is_trimmed { (QUESTIONS_A_PIXEL * pixels).min(GREATEST_ROOM) } else { 0 };
-        let queue = device.empty("what waits", (self.fed.waiting() + 4 * QUESTION * room).max(4))?;
+        let queue = device.empty("what waits", self.fed.waiting() + 4 * QUESTION * room)?;
         let mut calls = self.fed.calls(targets, room);
         if calls.is_empty() {
             calls.push(Zeroable::zeroed());
@@ -352,7 +380,8 @@ impl Pass for Kernels {
             (group, resolve::group(device, &self.resolve_layouts[&targets.output].0, targets))
         })?;
         let (fed, pipelines) = (self.fed.clone(), self.pipelines.clone());
-        Ok(Box::new(Covered { fed, pipelines, seen, queue, asks: room > 0, group, targets }))
+        let lacks_subnormals = self.subnormals.as_ref().filter(|of| !of.are_multiplied).map(|of| of.are_met.clone());
+        Ok(Box::new(Covered { fed, pipelines, seen, queue, asks: room > 0, lacks_subnormals, group, targets }))
     }
 
     fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
@@ -377,6 +406,8 @@ struct Covered {
     queue: wgpu::Buffer,
     /// Whether there are questions.
     asks: bool,
+    /// Of strict kernels that multiply no subnormal numbers: where to say that there are any.
+    lacks_subnormals: Option<Arc<AtomicBool>>,
     group: wgpu::BindGroup,
     targets: wgpu::BindGroup,
 }
@@ -450,9 +481,7 @@ impl Frame for Covered {
         }
         resolve::clear_unless_first(encoder, targets, batches.first().map(|&(index, ..)| index));
         encoder.clear_buffer(&self.seen, 0, None);
-        if self.fed.counts() > 0 {
-            encoder.clear_buffer(&self.queue, 0, Some(self.fed.counts()));
-        }
+        encoder.clear_buffer(&self.queue, 0, Some(self.fed.counts()));
         let parts = [
             ("place", self.placing(&batches)),
             ("cover", self.covering(&batches)),
@@ -475,6 +504,19 @@ impl Frame for Covered {
                 pass.dispatch_workgroups(x, y, 1);
             }
         }
+    }
+
+    /// For no product of a subnormal number, where none is computed.
+    fn room(&self) -> Option<Room<'_>> {
+        let during = "looking for products of subnormal numbers";
+        self.lacks_subnormals.is_some().then_some(Room { during, buffer: &self.queue, offset: 0, capacity: 0 })
+    }
+
+    fn make_room(&self, _device: &Device, _needed: u64) -> Result<(), GpuError> {
+        if let Some(are_met) = &self.lacks_subnormals {
+            are_met.store(true, Relaxed);
+        }
+        Ok(())
     }
 }
 
