@@ -10,7 +10,9 @@
 mod assembly;
 mod fault;
 mod geometry;
+mod layers;
 mod p21;
+mod said;
 mod spline;
 mod structure;
 mod styles;

@@ -48,6 +48,7 @@ pub(super) const ENTITIES: &[(&str, Support)] = &[
     ("308 subfigure definition", Followed),
     ("314 colour definition", Followed),
     ("402 group, forms 1, 7, 14, 15", Followed),
+    ("406 property, form 1: levels, form 3: what a level is for", Followed),
     ("406 property, form 15: a name", Followed),
     ("408 subfigure instance", Followed),
     ("416 external reference", LeftOut),
