@@ -28,6 +28,7 @@ mod value;
 use crate::brep::face::make;
 use crate::brep::frame::Motion;
 use crate::brep::gathered::{Gathered, TOO_MANY};
+use crate::brep::off::Off;
 use crate::brep::once::Once;
 use crate::brep::source::Made;
 use crate::document::{Document, Note, NoteKind};
@@ -100,7 +101,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     let entities = Entities::new(cards, global.delimiters);
     damage.extend(entities.damage.clone());
     let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
-    let off = Cell::new(0.0);
+    let off = Cell::new(Off::default());
     let geometry = Geometry { entities: &entities, tolerance: global.resolution, off: &off, work: &work };
     let mut assembly = Assembly::new(&geometry);
     let mut reader = Faces::new(&geometry);

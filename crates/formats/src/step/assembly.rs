@@ -14,6 +14,7 @@ use super::styles::Styles;
 use super::units::Units;
 use crate::brep::frame::Motion;
 use crate::brep::gathered::TOO_MANY;
+use crate::brep::off::Off;
 use crate::document::{Attributes, Colour, Layers};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -260,7 +261,7 @@ impl Walk<'_, '_> {
     }
 
     fn mapped(&mut self, number: u64, motion: &Motion, context: Option<u64>) {
-        let (work, off) = (Cell::new(usize::MAX), Cell::new(0.0));
+        let (work, off) = (Cell::new(usize::MAX), Cell::new(Off::default()));
         let geometry = Geometry { instances: self.instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work };
         let target = || -> Result<(u64, Motion), Fault> {
             let item = geometry.get(number)?;
