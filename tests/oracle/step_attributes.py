@@ -175,7 +175,8 @@ def read(path):
     return rows
 
 
-folder = Path(sys.argv[1])
-write(folder / "attributes.step")
-rows = read(folder / "attributes.step")
-(folder / "attributes.json").write_text("[\n" + ",\n".join(json.dumps(row, ensure_ascii=False) for row in rows) + "\n]\n")
+if __name__ == "__main__":
+    folder = Path(sys.argv[1])
+    write(folder / "attributes.step")
+    rows = read(folder / "attributes.step")
+    (folder / "attributes.json").write_text("[\n" + ",\n".join(json.dumps(row, ensure_ascii=False) for row in rows) + "\n]\n")

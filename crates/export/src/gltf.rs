@@ -3,13 +3,14 @@
 //! The first node moves them back and scales them to metres, as glTF asks for; so coordinates of 1e9 keep what they differ by. A
 //! viewer that multiplies in f32 loses it again. z stays up where the model has it so: glTF's y-up is not applied.
 //!
-//! Below it each name of faces has a node with a mesh, and each colour in it a primitive with a material.
+//! Below it each name of faces has a node with a mesh, one for all that are on the same layers, which are its extras; and each
+//! colour in it has a primitive with a material.
 
 use crate::error::ExportError;
 use crate::mesh::{Corner, FaceMesh, Mesh, mesh};
-use crate::parts::{Named, colours, named};
+use crate::parts::{Layered, Part, colours, named};
 use crate::writer::{Asked, Ready, Writer, Written};
-use formats::{Colour, Document};
+use formats::{Colour, Document, Layers};
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -87,22 +88,31 @@ impl Primitive<'_> {
     }
 }
 
-/// The primitives of each name that has any.
-fn primitives<'d, 'm>(document: &'d Document, mesh: &'m Mesh) -> Vec<(Option<&'d str>, Vec<Primitive<'m>>)> {
-    let of_name = |Named { name, parts }: Named<'d>| {
-        let primitive = |part: &crate::parts::Part| {
-            let faces = part.faces.iter().map(|face| &mesh.faces[*face]);
-            Primitive { colour: part.colour, faces: faces.filter(|face| !face.triangles.is_empty()).collect() }
-        };
-        let own: Vec<Primitive> = parts.iter().map(primitive).filter(|own| !own.faces.is_empty()).collect();
-        (!own.is_empty()).then_some((name, own))
+/// A node: what faces of one name on the same layers have.
+struct Node<'d, 'm> {
+    name: Option<&'d str>,
+    layers: &'d Layers,
+    primitives: Vec<Primitive<'m>>,
+}
+
+/// The nodes that have any triangles.
+fn nodes<'d, 'm>(document: &'d Document, mesh: &'m Mesh) -> Vec<Node<'d, 'm>> {
+    let primitive = |part: &Part| {
+        let faces = part.faces.iter().map(|face| &mesh.faces[*face]);
+        Primitive { colour: part.colour, faces: faces.filter(|face| !face.triangles.is_empty()).collect() }
     };
-    named(document).into_iter().filter_map(of_name).collect()
+    let node = |name: Option<&'d str>, Layered { layers, parts }: Layered<'d>| {
+        let primitives = parts.iter().map(primitive).filter(|own| !own.faces.is_empty()).collect();
+        Node { name, layers, primitives }
+    };
+    let of_name = named(document).into_iter();
+    let all = of_name.flat_map(|named| named.layered.into_iter().map(move |layered| node(named.name, layered)));
+    all.filter(|node| !node.primitives.is_empty()).collect()
 }
 
 fn fill(out: &mut dyn Write, document: &Document, local: &Local) -> io::Result<()> {
-    let nodes = primitives(document, local.mesh);
-    let all = || nodes.iter().flat_map(|(_, primitives)| primitives);
+    let nodes = nodes(document, local.mesh);
+    let all = || nodes.iter().flat_map(|node| &node.primitives);
     let vectors = VECTOR * all().map(|own| own.corners().count()).sum::<usize>();
     let body = 2 * vectors + 3 * INDEX * local.mesh.facts.triangles;
     let mut head = head(document, local, &nodes, [vectors, body]).to_string();
@@ -134,12 +144,7 @@ fn fill(out: &mut dyn Write, document: &Document, local: &Local) -> io::Result<(
 }
 
 /// The JSON part. `vectors` are the bytes of all positions, and so of all normals; `body` those of the binary part.
-fn head(
-    document: &Document,
-    local: &Local,
-    nodes: &[(Option<&str>, Vec<Primitive>)],
-    [vectors, body]: [usize; 2],
-) -> Value {
+fn head(document: &Document, local: &Local, nodes: &[Node], [vectors, body]: [usize; 2]) -> Value {
     let scale = document.unit.as_ref().map_or(1.0, |unit| unit.millimetres / METRE);
     let translation = (local.middle * scale).to_array();
     let mut whole =
@@ -152,7 +157,7 @@ fn head(
     if !nodes.is_empty() {
         let colours = colours(document);
         let (mut meshes, mut accessors, mut at) = (vec![], vec![], [0; 2]);
-        for (name, primitives) in nodes {
+        for Node { name, layers, primitives } in nodes {
             let primitives: Vec<Value> = primitives
                 .iter()
                 .map(|own| {
@@ -169,6 +174,9 @@ fn head(
             let mut node = json!({"mesh": meshes.len()});
             if let Some(name) = name {
                 node["name"] = json!(name);
+            }
+            if !layers.is_empty() {
+                node["extras"] = json!({"layers": layers.iter().map(|layer| &**layer).collect::<Vec<&str>>()});
             }
             whole.push(node);
             meshes.push(json!({"primitives": primitives}));

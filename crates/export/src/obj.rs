@@ -1,10 +1,10 @@
-//! Wavefront OBJ: points and normals as text, an object a name, a group a face; f64 as it is.
+//! Wavefront OBJ: points and normals as text, an object a name, a group a face and a layer; f64 as it is.
 //!
 //! Colours stand in a material library beside the file (`.mtl`), as readers expect them: a vertex has faces of several colours.
 
 use crate::error::ExportError;
-use crate::mesh::{Mesh, mesh};
-use crate::parts::{Part, colours, named};
+use crate::mesh::{FaceMesh, Mesh, mesh};
+use crate::parts::{Layered, Part, colours, named};
 use crate::writer::{Asked, Beside, Ready, Writer, Written};
 use formats::{Colour, Document};
 use scene::escaped;
@@ -80,25 +80,32 @@ fn fill(out: &mut dyn Write, document: &Document, mesh: &Mesh, library: Option<&
         if let Some(name) = named.name {
             writeln!(out, "o {}", word(name))?;
         }
-        for Part { colour, faces } in &named.parts {
-            if library.is_some() {
-                writeln!(out, "usemtl {}", material(*colour))?;
-            }
-            for index in faces {
-                writeln!(out, "g face_{index}")?;
-                let face = &mesh.faces[*index];
-                for corner in &face.corners {
-                    let n = corner.normal;
-                    writeln!(out, "vn {:.6} {:.6} {:.6}", n.x, n.y, n.z)?;
+        for Layered { layers, parts } in &named.layered {
+            let layers: String = layers.iter().map(|layer| format!(" layer_{}", word(layer))).collect();
+            for Part { colour, faces } in parts {
+                if library.is_some() {
+                    writeln!(out, "usemtl {}", material(*colour))?;
                 }
-                for triangle in &face.triangles {
-                    let corner = |k: u32| format!("{}//{}", face.corners[k as usize].point + 1, normals + k + 1);
-                    let [a, b, c] = triangle.map(corner);
-                    writeln!(out, "f {a} {b} {c}")?;
+                for index in faces {
+                    writeln!(out, "g face_{index}{layers}")?;
+                    normals = triangles(out, &mesh.faces[*index], normals)?;
                 }
-                normals += face.corners.len() as u32;
             }
         }
     }
     Ok(())
+}
+
+/// The triangles of a face, whose normals follow so many; how many there are then.
+fn triangles(out: &mut dyn Write, face: &FaceMesh, normals: u32) -> io::Result<u32> {
+    for corner in &face.corners {
+        let n = corner.normal;
+        writeln!(out, "vn {:.6} {:.6} {:.6}", n.x, n.y, n.z)?;
+    }
+    for triangle in &face.triangles {
+        let corner = |k: u32| format!("{}//{}", face.corners[k as usize].point + 1, normals + k + 1);
+        let [a, b, c] = triangle.map(corner);
+        writeln!(out, "f {a} {b} {c}")?;
+    }
+    Ok(normals + face.corners.len() as u32)
 }

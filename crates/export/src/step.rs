@@ -1,7 +1,7 @@
 //! STEP (ISO 10303-21, AP214): every face with its own surface and its trims as PCURVEs, bit for bit.
 //!
-//! [`edges`] finds what trims are one edge, [`space`] puts it in space, [`geometry`] spells surfaces and curves, [`looks`] names
-//! and colours, [`mod@product`] what stands around them. A closed model is a MANIFOLD_SOLID_BREP, any other a SHELL_BASED_SURFACE_MODEL.
+//! [`edges`] finds what trims are one edge, [`space`] puts it in space, [`geometry`] spells surfaces and curves, [`looks`] names,
+//! colours and layers, [`mod@product`] what stands around them. A closed model is a MANIFOLD_SOLID_BREP, any other a SHELL_BASED_SURFACE_MODEL.
 
 mod edges;
 mod geometry;
@@ -115,6 +115,7 @@ fn shape(text: &mut Text, document: &Document, topology: &Topology, product: &Pr
     let parts = topology.parts.iter().zip(&faces);
     let coloured = parts.filter_map(|(part, face)| Some((*face, attributes[part.face].colour?)));
     looks::paint(text, coloured, product.space);
+    looks::assign(text, topology.parts.iter().zip(&faces).map(|(part, face)| (*face, &attributes[part.face])));
     let shells = topology.shells(model);
     let is_solid = shells.iter().all(|(_, is_closed)| *is_closed);
     let shells: Vec<u64> = shells

@@ -9,10 +9,13 @@
 //! 3. The rectangle of parameters that the loops need becomes an exact rational spline ([`rectangle`], [`patch`], [`arc`]).
 //! 4. Each path becomes a trim ([`fit`]): exactly where it is straight, or where plane or spline make it a spline, else
 //!    within a distance that is measured.
-//! 5. What a file says to stand at a distance from another curve or surface is made beforehand ([`parallel`], [`offset`]).
+//! 5. What a file says to stand at a distance from another curve or surface is made beforehand ([`parallel`], [`offset`]), with a proof of
+//!    how near it is.
 //! 6. Faces that stand at several places are made once ([`once`]), and put in their places ([`gathered`]).
 
+pub(crate) mod across;
 pub(crate) mod arc;
+mod bound;
 pub(crate) mod closed;
 pub(crate) mod curve;
 pub(crate) mod face;
@@ -21,12 +24,14 @@ pub(crate) mod frame;
 pub(crate) mod gathered;
 pub(crate) mod inverse;
 mod net;
+pub(crate) mod off;
 pub(crate) mod offset;
 pub(crate) mod once;
 pub(crate) mod parallel;
 pub(crate) mod patch;
 pub(crate) mod path;
 pub(crate) mod rectangle;
+mod series;
 pub(crate) mod shape;
 pub(crate) mod source;
 mod total;

@@ -24,7 +24,7 @@ pub struct Document {
 }
 
 impl Document {
-    /// A file without units, names and colours, of which is to be known what the model itself notes.
+    /// A file without units, names, colours and layers, of which is to be known what the model itself notes.
     pub fn of_model(model: Model) -> Self {
         let notes = model.notes().iter().map(|note| Note::of_model(Place::File, note)).collect();
         let attributes = vec![Attributes::default(); model.faces().len()];
@@ -39,9 +39,19 @@ pub struct Attributes {
     pub name: Option<Arc<str>>,
     /// The face's colour, else that of what it is a part of.
     pub colour: Option<Colour>,
+    /// The layers that the file puts the face on, else those of what it is a part of, in the file's order.
+    ///
+    /// A layer is called by its name: in Rhino by its path, as `Body::Panels`; in IGES by its level's number where that has no name.
+    pub layers: Layers,
     /// The surface as the file has it; the model has a spline in its place.
     pub surface: SurfaceKind,
 }
+
+/// The most layers of one face that are kept; beyond them a note says so.
+pub(crate) const MOST_LAYERS: usize = 64;
+
+/// Names of layers, shared by all that is on them.
+pub type Layers = Arc<[Arc<str>]>;
 
 /// A colour in sRGB.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

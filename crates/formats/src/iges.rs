@@ -4,7 +4,8 @@
 //! something needs it, so that a bad one costs the face that it is part of and nothing else. [`assembly`] says which faces are
 //! shown, and where; [`topology`] and [`sheet`] hand each to the boundary representation that all readers feed (`brep`).
 //!
-//! Coordinates stay in the file's unit, which the document names. Names (406 form 15) and colours (314) are read over.
+//! Coordinates stay in the file's unit, which the document names. [`looks`] has names (406 form 15) and colours (314), [`levels`]
+//! layers.
 
 mod assembly;
 mod cards;
@@ -15,6 +16,7 @@ mod entities;
 mod fault;
 mod geometry;
 mod global;
+mod levels;
 mod looks;
 mod ruled;
 mod sheet;
@@ -26,6 +28,7 @@ mod value;
 use crate::brep::face::make;
 use crate::brep::frame::Motion;
 use crate::brep::gathered::{Gathered, TOO_MANY};
+use crate::brep::off::Off;
 use crate::brep::once::Once;
 use crate::brep::source::Made;
 use crate::document::{Document, Note, NoteKind};
@@ -38,6 +41,7 @@ use entities::Entities;
 use fault::{Fault, fault};
 use geometry::Geometry;
 use global::Global;
+use levels::Levels;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use topology::Faces;
@@ -97,13 +101,14 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     let entities = Entities::new(cards, global.delimiters);
     damage.extend(entities.damage.clone());
     let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
-    let off = Cell::new(0.0);
+    let off = Cell::new(Off::default());
     let geometry = Geometry { entities: &entities, tolerance: global.resolution, off: &off, work: &work };
     let mut assembly = Assembly::new(&geometry);
     let mut reader = Faces::new(&geometry);
     let mut made = Once::new(assembly.placed.iter().map(|placed| placed.number));
     let mut gathered = Gathered::new(bytes.len());
     let mut faults = std::mem::take(&mut assembly.faults);
+    let mut levels = Levels::new(&entities);
     let mut remarks: BTreeMap<u32, String> = BTreeMap::new();
     for placed in &assembly.placed {
         if gathered.is_full() {
@@ -114,12 +119,13 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
             Ok(Own { made, motion, remark }) => {
                 remarks.extend(remark.map(|remark| (placed.number, remark)));
                 let at = (&placed.motion.after(&motion), placed.reversed);
-                let attributes = looks::looks(&entities, placed);
+                let attributes = looks::looks(&entities, placed, &mut levels);
                 gathered.add(u64::from(placed.number), made, at, placed.instance, attributes);
             }
             Err(fault) => faults.push(fault),
         }
     }
+    faults.append(&mut levels.faults);
     let place = |number: u32| place(&entities, number);
     let note = |kind: NoteKind, place: Place, text: String| Note { kind, place, text };
     let mut notes: Vec<Note> =

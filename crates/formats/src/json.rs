@@ -4,7 +4,7 @@
 //! {"format": "nurbs-neutral", "version": 1, "name": "…", "unit": {"name": "millimetre", "millimetres": 1.0},
 //!  "surfaces": [{"degree": [p, q], "knots_u": [..], "knots_v": [..], "nu": n, "nv": m,
 //!                "points": [[x, y, z], ..], "weights": [..]}],
-//!  "faces": [{"surface": k, "name": "…", "colour": "#rrggbb", "kind": "plane", "reversed": false, "tolerance": t,
+//!  "faces": [{"surface": k, "name": "…", "colour": "#rrggbb", "layers": ["…"], "kind": "plane", "reversed": false, "tolerance": t,
 //!             "loops": [{"outer": true, "trims": [
 //!                {"degree": p, "knots": [..], "points": [[u, v], ..], "weights": [..],
 //!                 "reversed": false, "seam": false, "degenerate": false, "edge": id,
@@ -27,11 +27,11 @@
 //! Inside a knot vector a knot may occur p + 1 times: Bézier pieces in a row. Where the two points there are one, so is the
 //! spline; where they are two, the surface is cut into several, and its faces with it, which is noted. A torn trim is refused.
 //!
-//! `unit` is that of the coordinates, with its length. A face's `colour` is sRGB; its `kind` says what the surface was in
+//! `unit` is that of the coordinates, with its length. A face's `colour` is sRGB; `layers` are names; its `kind` says what the surface was in
 //! the file that it comes from: `plane`, `cylinder`, `cone`, `sphere`, `torus`, `revolution`, `extrusion`, `sum`, `offset`, or
 //! `b-spline` where it is absent. None of them changes what is drawn.
 //!
-//! May be absent or null: `name` (then the file's name), `unit`, a face's `name`, `colour` and `kind`, `faces` (then one whole face a surface), `weights` (then
+//! May be absent or null: `name` (then the file's name), `unit`, a face's `name`, `colour`, `layers` and `kind`, `faces` (then one whole face a surface), `weights` (then
 //! polynomial), `tolerance` and `edge_tolerance` (0), `vertex_tolerance` (unknown), `loops` (none), `edge`, and the flags
 //! `reversed`, `seam` and `degenerate` (false). Keys in any order; a key given twice is refused, and so is one that is not
 //! named here, lest a slip in a name pass for an absent key. Read over are only `view` and `meta` of the document and

@@ -21,7 +21,7 @@ mod spline;
 mod step;
 mod wrap;
 
-pub use document::{Attributes, Colour, Document, Note, NoteKind, SurfaceKind, Unit};
+pub use document::{Attributes, Colour, Document, Layers, Note, NoteKind, SurfaceKind, Unit};
 pub use error::{Cause, FormatError};
 pub use format::{Format, Support};
 pub use open::{FORMATS, MAX_FILE_BYTES, open, read};

@@ -10,7 +10,9 @@
 mod assembly;
 mod fault;
 mod geometry;
+mod layers;
 mod p21;
+mod said;
 mod spline;
 mod structure;
 mod styles;
@@ -22,6 +24,7 @@ mod value;
 
 use crate::brep::face::make;
 use crate::brep::gathered::{Gathered, TOO_MANY};
+use crate::brep::off::Off;
 use crate::brep::once::Once;
 use crate::brep::source::Made;
 use crate::document::{Attributes, Document, Note, NoteKind, SurfaceKind};
@@ -155,7 +158,7 @@ impl Reader<'_, '_> {
     fn face(&mut self, placed: &Placed) -> Result<Made, Fault> {
         let (instances, work) = (self.instances, self.work);
         let units = self.units(placed.context);
-        let off = Cell::new(0.0);
+        let off = Cell::new(Off::default());
         let geometry = Geometry { instances, angle: units.angle, tolerance: units.uncertainty, off: &off, work };
         let is_face = matches!(instances.keyword(placed.number), "ADVANCED_FACE" | "FACE_SURFACE");
         let source = if is_face {

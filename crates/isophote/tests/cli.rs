@@ -402,6 +402,18 @@ fn half_bad() -> Value {
 }
 
 #[test]
+fn info_counts_faces_by_layer_and_says_the_layers_of_each() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/step/layers.step");
+    let path = path.to_str().expect("UTF-8");
+    let shown = text(&isophote(&["info", path]).stdout);
+    assert!(shown.contains("layers: 11 on \"Gehäuse außen\", 6 on \"42\", 1 on \"seals, tight\""), "{shown}");
+    let info: Value = serde_json::from_slice(&isophote(&["info", path, "--format", "json"]).stdout).expect("JSON");
+    assert_eq!(info["layers"], json!({"Gehäuse außen": 11, "42": 6, "seals, tight": 1}));
+    assert_eq!(info["faces"][0]["layers"], json!(["seals, tight"]), "a face's own");
+    assert_eq!(info["faces"][17].get("layers"), None);
+}
+
+#[test]
 fn a_bad_face_is_named_and_the_good_one_is_drawn_unless_strict() {
     let path = file("half-bad.json", &half_bad().to_string());
     let path = path.to_str().expect("UTF-8");

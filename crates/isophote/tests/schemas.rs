@@ -29,6 +29,7 @@ fn each_document_keeps_to_its_schema_and_a_broken_one_does_not() {
         ("judge-1.json", printed(&["compare", FOREIGN])),
         ("info-1.json", printed(&["info", "sphere"])),
         ("info-1.json", printed(&["info", "islands"])),
+        ("info-1.json", printed(&["info", &format!("{}/../../testdata/step/layers.step", env!("CARGO_MANIFEST_DIR"))])),
         ("eval-1.json", json_of(&["eval", "sphere"])),
     ];
     for (name, mut document) in documents {

@@ -1,4 +1,4 @@
-//! Names and colours of faces: labels of faces, and a style for each colour.
+//! Names, colours and layers of faces: labels of faces, a style for each colour, an assignment for each layer.
 
 use super::text::{Text, real, references, string};
 use formats::{Attributes, Colour};
@@ -22,6 +22,17 @@ pub(super) fn paint(text: &mut Text, faces: impl Iterator<Item = (u64, Colour)>,
             "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',{},#{context})",
             references(&items)
         ));
+    }
+}
+
+/// Puts faces on their layers.
+pub(super) fn assign<'d>(text: &mut Text, faces: impl Iterator<Item = (u64, &'d Attributes)>) {
+    let mut layers: BTreeMap<&str, Vec<u64>> = BTreeMap::new();
+    for (face, attributes) in faces {
+        attributes.layers.iter().for_each(|layer| layers.entry(layer).or_default().push(face));
+    }
+    for (layer, faces) in layers {
+        text.add(&format!("PRESENTATION_LAYER_ASSIGNMENT({},'',{})", string(layer), references(&faces)));
     }
 }
 

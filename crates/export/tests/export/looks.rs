@@ -9,6 +9,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Colours of faces, of bodies and of layers, names of the same, and faces that have neither.
 const MODELS: [&str; 3] = ["step/attributes.step", "iges/looks.igs", "3dm/colours-8.3dm"];
 
+/// Faces on a layer, on two, on one of a path, and on none.
+const LAYERED: [&str; 2] = ["step/layers.step", "3dm/layers-8.3dm"];
+
 /// What is said of a face: its name and colour.
 type Look = (Option<String>, Option<Colour>);
 
@@ -134,8 +137,67 @@ fn primitives_of_a_glb_share_its_bytes_out() {
     }
 }
 
+/// How many triangles are on each set of layers.
+type Layered = BTreeMap<Vec<String>, usize>;
+
+fn layered_of_obj(text: &str) -> Layered {
+    let (mut layers, mut all) = (vec![], Layered::new());
+    for line in text.lines() {
+        match line.split_once(' ') {
+            Some(("g", groups)) => {
+                layers =
+                    groups.split(' ').filter_map(|group| group.strip_prefix("layer_")).map(str::to_owned).collect();
+            }
+            Some(("f", _)) => *all.entry(layers.clone()).or_default() += 1,
+            _ => {}
+        }
+    }
+    all
+}
+
+fn layered_of_glb(head: &Value) -> Layered {
+    let mut all = Layered::new();
+    for node in head["nodes"].as_array().expect("nodes").iter().skip(1) {
+        let named = node["extras"]["layers"].as_array().cloned().unwrap_or_default();
+        let layers: Vec<String> = named.iter().map(|layer| layer.as_str().expect("a name").to_owned()).collect();
+        let mesh = &head["meshes"][node["mesh"].as_u64().expect("a mesh") as usize];
+        for primitive in mesh["primitives"].as_array().expect("primitives") {
+            let indices = primitive["indices"].as_u64().expect("an accessor") as usize;
+            let count = head["accessors"][indices]["count"].as_u64().expect("a count") as usize;
+            *all.entry(layers.clone()).or_default() += count / 3;
+        }
+    }
+    all
+}
+
+#[test]
+fn triangles_are_on_the_layers_of_their_faces() {
+    for name in LAYERED {
+        let document = document(name);
+        let error = usual(&document.model);
+        let mesh = export::mesh::mesh(&document.model, error, &|_| {}).expect("a mesh");
+        let mut expected = Layered::new();
+        for (face, said) in mesh.faces.iter().zip(&document.attributes) {
+            let layers = said.layers.iter().map(|layer| layer.to_string()).collect();
+            *expected.entry(layers).or_default() += face.triangles.len();
+        }
+        assert!(3 <= expected.len(), "{name}: {expected:?}");
+        let (bytes, _) = write(&document, "glb", error).expect("written");
+        assert_eq!(layered_of_glb(&glb(&bytes).0), expected, "{name}");
+        let words = |layers: &[String]| layers.iter().map(|layer| layer.replace(' ', "_")).collect();
+        let in_words: Layered = expected.iter().map(|(layers, count)| (words(layers), *count)).collect();
+        let text = String::from_utf8(write(&document, "obj", error).expect("written").0).expect("text");
+        assert_eq!(layered_of_obj(&text), in_words, "{name}");
+        // A face that is on no layer is seen.
+        assert_ne!(layered_of_obj(&text.replacen(" layer_", " other_", 1)), in_words, "{name}");
+    }
+}
+
 #[test]
 fn what_has_no_place_in_a_file_is_told() {
+    let layered = document("3dm/layers-8.3dm");
+    let (_, written) = write(&layered, "stl", usual(&layered.model)).expect("written");
+    assert!(written.notes.iter().any(|note| note.contains("names, colours and layers")), "{:?}", written.notes);
     let named = document("step/attributes.step");
     let (_, written) = write(&named, "stl", usual(&named.model)).expect("written");
     assert!(written.notes.iter().any(|note| note.contains("names and colours")), "{:?}", written.notes);
@@ -149,7 +211,7 @@ fn what_has_no_place_in_a_file_is_told() {
 
 #[test]
 fn the_json_says_all_that_the_document_does() {
-    for name in MODELS.into_iter().chain(["step/cone-inch-degree.step", "plate"]) {
+    for name in MODELS.into_iter().chain(LAYERED).chain(["step/cone-inch-degree.step", "plate"]) {
         let document = document(name);
         let (bytes, written) = write(&document, "json", 1.0).expect("written");
         let text = String::from_utf8(bytes).expect("text");

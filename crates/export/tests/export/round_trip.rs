@@ -63,6 +63,20 @@ fn surfaces_come_back_bit_for_bit() {
 }
 
 #[test]
+fn layers_come_back() {
+    for name in ["step/layers.step", "3dm/layers-8.3dm"] {
+        let document = document(name);
+        let again = read_again(&document);
+        assert!(document.attributes.iter().any(|said| !said.layers.is_empty()), "{name}");
+        let sorted = |document: &Document| {
+            let all = document.attributes.iter().map(|said| said.layers.to_vec());
+            all.map(|mut layers| (layers.sort(), layers).1).collect::<Vec<_>>()
+        };
+        assert_eq!(sorted(&again), sorted(&document), "{name}");
+    }
+}
+
+#[test]
 fn names_and_colours_come_back() {
     for name in ["step/attributes.step", "iges/looks.igs", "3dm/colours-8.3dm"] {
         let document = document(name);

@@ -1,17 +1,26 @@
 //! A spline surface at a distance from another along S_u × S_v, as a net of biquintic patches.
 //!
 //! Each patch has the offset's own points at Lobatto's nodes in both directions, so that neighbours have one border. It is
-//! measured between the nodes. Rows or columns of patches that are too far off are halved, each along its whole length.
+//! measured between the nodes, and then bounded ([`bound`]). Rows or columns of patches that are too far off are halved, each along its
+//! whole length.
+//!
+//! [`bound`]: super::bound
 
+use super::bound::patch_bound;
+use super::off::{Interpolated, nearest};
 use super::parallel::{Offset, OffsetError};
 use glam::DVec3;
-use nurbs::{Direction, KnotVector, NODES, QUINTIC, Quintic, Surface, between_nodes};
+use nurbs::{BezierPatch, Direction, KnotVector, NODES, QUINTIC, Quintic, Surface, between_nodes};
 
 /// Halvings of one row or column.
 const HALVINGS: u32 = 8;
 
 /// The most patches that halving makes.
 const MOST_PATCHES: usize = 1 << 11;
+
+/// How many boxes of parameters are tried in the search for a bound: so many, and more for each patch.
+const BOXES: usize = 1 << 12;
+const BOXES_A_PATCH: usize = 4;
 
 /// At how many places a patch is evaluated: 36 nodes, and 85 between them.
 pub(super) const PLACES: usize = 121;
@@ -53,6 +62,11 @@ impl Part {
 /// # Errors
 /// [`OffsetError::NoNormal`], [`OffsetError::Rough`], and where points are too far off to be a surface.
 pub(super) fn net(surface: &Surface, distance: f64, [aim, most]: [f64; 2]) -> Result<Offset<Surface>, OffsetError> {
+    let (made, off) = nearest(most, |share| interpolated(surface, distance, [share * aim, most]))?;
+    Ok(Offset { made, off })
+}
+
+fn interpolated(surface: &Surface, distance: f64, [aim, most]: [f64; 2]) -> Result<Interpolated<Surface>, OffsetError> {
     let mut parts = [Direction::U, Direction::V].map(|direction| Part::of(surface, direction));
     let place = |u: &Part, v: &Part, x: f64, y: f64| {
         let (u_at, v_at) = (u.at(x), v.at(y));
@@ -85,7 +99,8 @@ pub(super) fn net(surface: &Surface, distance: f64, [aim, most]: [f64; 2]) -> Re
         let is_finer = count < finer[0].len() * finer[1].len();
         let is_last = halving == HALVINGS || !is_finer || MOST_PATCHES < finer[0].len() * finer[1].len();
         if off <= if is_last { most } else { aim } {
-            return Ok(Offset { made: patches(&parts, &nodes)?, off });
+            let (made, bound) = (patches(&parts, &nodes)?, bound(surface, &parts, distance, most));
+            return Ok(Interpolated { made, measured: off, bound });
         }
         if is_last {
             return Err(OffsetError::Rough { off, tolerance: most });
@@ -131,6 +146,42 @@ fn measured(
         }
     }
     Ok(off)
+}
+
+/// How far the patches are off at most, all of them; `None` where no bound within `limit` was found for one.
+fn bound(surface: &Surface, [us, vs]: &[Vec<Part>; 2], distance: f64, limit: f64) -> Option<f64> {
+    let mut most = 0.0f64;
+    let mut boxes = BOXES + BOXES_A_PATCH * us.len() * vs.len();
+    let (mut span, mut whole) = (None, None);
+    for u in us {
+        for v in vs {
+            if span != Some([u.span, v.span]) {
+                span = Some([u.span, v.span]);
+                whole = Some(surface.bezier_patch([u.span, v.span]));
+            }
+            let patch = whole.as_ref().expect("that of the span");
+            let patch = cut(cut(patch.clone(), u.range, Direction::U), v.range, Direction::V);
+            most = most.max(patch_bound(&patch, distance, limit, &mut boxes)?);
+        }
+    }
+    Some(most)
+}
+
+/// The part of a patch over a range of one direction.
+fn cut(mut patch: BezierPatch, [start, end]: [f64; 2], direction: Direction) -> BezierPatch {
+    let split = |patch: &BezierPatch, at: f64| match direction {
+        Direction::U => patch.split_u(at),
+        Direction::V => patch.split_v(at),
+    };
+    if patch.domain[direction as usize][0] < start {
+        let [_, above] = split(&patch, start);
+        patch = above;
+    }
+    if end < patch.domain[direction as usize][1] {
+        let [below, _] = split(&patch, end);
+        patch = below;
+    }
+    patch
 }
 
 /// The surface of all patches: knots of multiplicity 5 between them.

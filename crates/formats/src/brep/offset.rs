@@ -1,18 +1,19 @@
 //! Surfaces at a distance from others along S_u × S_v, with the same parameters (ISO 10303-42, `offset_surface`).
 //!
 //! Exact where that is a surface of the same kind. A swept curve stays swept, with a curve beside it ([`parallel`]), and a
-//! spline becomes a net of quintics ([`net`]). How far these are off is measured.
+//! spline becomes a net of quintics ([`net`]). How far these are off is proven, or else measured.
 //!
 //! [`parallel`]: super::parallel
 //! [`net`]: super::net
 
+use super::across::{Across, Ramp};
 use super::curve::Curve;
 use super::fit::{acceptable, fitting};
 use super::frame::Frame;
 use super::net::{PLACES, net};
-use super::parallel::{Offset, OffsetError, Ramp, along};
+use super::off::Off;
+use super::parallel::{Offset, OffsetError, along};
 use super::shape::{Profile, Shape};
-use glam::DVec3;
 use nurbs::Direction;
 
 /// What it costs at most to find that there is no offset, in places that are evaluated.
@@ -29,20 +30,30 @@ pub(crate) fn cost(shape: &Shape) -> usize {
     }
 }
 
-/// A share of a profile's size below which a point is on the axis.
-const ON_AXIS: f64 = 1e-12;
+/// How many control points an offset has: halving may make many of one.
+pub(crate) fn size(shape: &Shape) -> usize {
+    match shape {
+        Shape::Spline { surface, .. } => surface.points().len(),
+        _ => 1,
+    }
+}
 
-/// The surface at `distance` along S_u × S_v; `tolerance` is the file's.
+/// The surface at `distance` along S_u × S_v; `tolerance` is the file's. `ends` are those of its parameters, where the file says them.
 ///
 /// # Errors
 /// Each of [`OffsetError`].
-pub(crate) fn offset(shape: &Shape, distance: f64, tolerance: f64) -> Result<Offset<Shape>, OffsetError> {
-    let exact = |made: Shape| Offset { made, off: 0.0 };
+pub(crate) fn offset(
+    shape: &Shape,
+    distance: f64,
+    ends: Option<[[f64; 2]; 2]>,
+    tolerance: f64,
+) -> Result<Offset<Shape>, OffsetError> {
+    let exact = |made: Shape| Offset { made, off: Off::default() };
     let even = Ramp::even(distance);
     match shape {
         Shape::Plane(frame) => Ok(exact(Shape::Plane(Frame { origin: frame.origin + frame.z * distance, ..*frame }))),
         Shape::Revolved { frame, profile: Profile::Curve(curve) } => {
-            let Offset { made, off } = along(curve, |t| outward(frame, curve, t), even, tolerance)?;
+            let Offset { made, off } = along(curve, &Across::Outward(*frame), even, ends.map(|[_, v]| v), tolerance)?;
             Ok(Offset { made: Shape::Revolved { frame: *frame, profile: Profile::Curve(made) }, off })
         }
         Shape::Revolved { frame, profile } => {
@@ -50,13 +61,13 @@ pub(crate) fn offset(shape: &Shape, distance: f64, tolerance: f64) -> Result<Off
             Ok(exact(Shape::Revolved { frame, profile }))
         }
         Shape::Extruded { curve, vector } => {
-            let across = |t: f64| curve.tangent(t).cross(*vector).try_normalize();
+            let across = Across::Beside(*vector);
             let Offset { made, off } = match curve {
                 Curve::Line { origin, direction } => {
-                    let by = across(0.0).ok_or(OffsetError::NoDirection(0.0))? * distance;
-                    Offset { made: Curve::Line { origin: *origin + by, direction: *direction }, off: 0.0 }
+                    let by = across.unit(curve, 0.0).ok_or(OffsetError::NoDirection(0.0))? * distance;
+                    Offset { made: Curve::Line { origin: *origin + by, direction: *direction }, off: Off::default() }
                 }
-                curve => along(curve, across, even, tolerance)?,
+                curve => along(curve, &across, even, ends.map(|[u, _]| u), tolerance)?,
             };
             Ok(Offset { made: Shape::Extruded { curve: made, vector: *vector }, off })
         }
@@ -89,22 +100,10 @@ fn revolved(frame: &Frame, profile: &Profile, distance: f64) -> Option<(Frame, P
     }
 }
 
-/// The unit normal S_u × S_v of a curve that turns about the frame's z, where it stands; in the limit where it meets the axis.
-fn outward(frame: &Frame, curve: &Curve, t: f64) -> Option<DVec3> {
-    let across = |v: DVec3| v - frame.z * v.dot(frame.z);
-    let (point, tangent) = (curve.point(t), curve.tangent(t));
-    let arm = across(point - frame.origin);
-    // It leaves the axis at its start, and comes to it at its end.
-    let is_start = curve.domain().is_none_or(|[start, end]| t - start < end - t);
-    let size = tangent.length().max(point.distance(frame.origin));
-    let arm = if arm.length() <= ON_AXIS * size { across(if is_start { tangent } else { -tangent }) } else { arm };
-    frame.z.cross(arm.try_normalize()?).cross(tangent).try_normalize()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
+    use glam::{DVec2, DVec3};
     use nurbs::{KnotVector, SpaceCurve, Surface};
 
     const DISTANCE: f64 = 0.25;
@@ -153,8 +152,8 @@ mod tests {
         let straight = Curve::Line { origin: DVec3::X, direction: DVec3::new(1.0, 2.0, 0.0) };
         let plane = Shape::Extruded { curve: straight, vector: DVec3::new(0.0, 1.0, 3.0) };
         for shape in [Shape::Plane(frame), line(2.0, 0.0), line(2.0, -0.5), plane].iter().chain(&round) {
-            let Offset { made, off } = offset(shape, DISTANCE, TOLERANCE).unwrap();
-            assert!(off == 0.0 && farthest(shape, &made, [[0.1, 5.0], [-0.9, 0.6]]) < 1e-9, "{shape:?}");
+            let Offset { made, off } = offset(shape, DISTANCE, None, TOLERANCE).unwrap();
+            assert!(off.most == 0.0 && farthest(shape, &made, [[0.1, 5.0], [-0.9, 0.6]]) < 1e-9, "{shape:?}");
         }
     }
 
@@ -172,11 +171,13 @@ mod tests {
             Shape::spline(wave(), TOLERANCE),
         ];
         for shape in shapes {
-            let Offset { made, off } = offset(&shape, DISTANCE, TOLERANCE).unwrap();
+            let Offset { made, off } = offset(&shape, DISTANCE, None, TOLERANCE).unwrap();
             let rectangle = shape.natural().map(|[a, b]| if a.is_finite() { [a, b] } else { [0.0, 1.0] });
             let found = farthest(&shape, &made, rectangle);
             // Differences of 1e-5 are good to 1e-9.
-            assert!(0.0 < off && off <= 2e-7 && found <= off + 2e-9, "{off:e} {found:e} {shape:?}");
+            assert!(0.0 < off.most && off.most <= 1e-6 && found <= off.most + 2e-9, "{off:?} {found:e} {shape:?}");
+            // How far the last one turns is not known closely enough.
+            assert_eq!(off.is_measured, matches!(shape, Shape::Spline { .. }), "{shape:?}");
         }
     }
 
@@ -187,9 +188,21 @@ mod tests {
         let at = |k: usize| DVec3::new((k / 6) as f64, (k % 6) as f64, 0.75 * ((7 * k) as f64).sin());
         let waves = Surface::new(knots.clone(), knots, (0..36).map(at).collect(), None).unwrap();
         let (size, shape) = (waves.hull().diagonal(), Shape::spline(waves, 0.0));
-        let Offset { made, off } = offset(&shape, DISTANCE, 0.0).unwrap();
+        let Offset { made, off } = offset(&shape, DISTANCE, None, 0.0).unwrap();
         let found = farthest(&shape, &made, shape.natural());
-        assert!(fitting(0.0, size) < off && off <= 1e-8 * size && found <= off + 2e-9, "{off:e} {found:e}");
+        assert!(fitting(0.0, size) < off.most, "{off:?}");
+        assert!(off.most <= 1e-8 * size && found <= off.most + 2e-9, "{off:?} {found:e}");
+    }
+
+    /// A surface that turns gently, and whose offset is known at 10,000 places by differences.
+    #[test]
+    fn an_offset_of_a_gentle_surface_is_proven_to_be_near() {
+        let knots = || KnotVector::new(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]).unwrap();
+        let at = |k: usize| DVec3::new((k / 3) as f64, (k % 3) as f64, 0.1 * ((k * k) as f64).sin());
+        let shape = Shape::spline(Surface::new(knots(), knots(), (0..9).map(at).collect(), None).unwrap(), TOLERANCE);
+        let Offset { made, off } = offset(&shape, DISTANCE, None, TOLERANCE).unwrap();
+        let found = farthest(&shape, &made, shape.natural());
+        assert!(!off.is_measured && off.most <= 1e-6 && found <= off.most + 2e-9, "{off:?} {found:e}");
     }
 
     /// A dome's profile comes to the axis; its offset does, too.
@@ -198,7 +211,7 @@ mod tests {
         let dome = spline([[2.0, 0.0, 0.0], [2.0, 0.0, 1.0], [1.5, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 0.0, 2.0]]);
         let about = Frame::new(DVec3::ZERO, None, None).unwrap();
         let shape = Shape::Revolved { frame: about, profile: Profile::Curve(dome) };
-        let Offset { made, .. } = offset(&shape, DISTANCE, TOLERANCE).unwrap();
+        let Offset { made, .. } = offset(&shape, DISTANCE, None, TOLERANCE).unwrap();
         assert!(made.point(DVec2::new(0.3, 1.0)).distance(DVec3::new(0.0, 0.0, 2.0 + DISTANCE)) < 1e-9);
     }
 
@@ -206,18 +219,18 @@ mod tests {
     fn what_has_no_offset_is_an_error() {
         let line = Curve::Line { origin: DVec3::X, direction: DVec3::new(0.0, 1.0, 1.0) };
         let endless = Shape::Revolved { frame: frame(), profile: Profile::Curve(line) };
-        assert!(matches!(offset(&endless, 1.0, TOLERANCE), Err(OffsetError::Endless)));
+        assert!(matches!(offset(&endless, 1.0, None, TOLERANCE), Err(OffsetError::Endless)));
         let ball = Shape::Revolved { frame: frame(), profile: Profile::sphere(1.0) };
-        assert!(matches!(offset(&ball, -1.5, TOLERANCE), Err(OffsetError::Nothing)));
+        assert!(matches!(offset(&ball, -1.5, None, TOLERANCE), Err(OffsetError::Nothing)));
         // A roof: its normals differ along the ridge.
         let knots = |inner: &[f64]| KnotVector::new(1, [&[0.0, 0.0], inner, &[1.0, 1.0]].concat()).unwrap();
         let row = |i: usize, z: f64| [0.0, 1.0].map(|y| DVec3::new(i as f64, y, z));
         let roof = [row(0, 0.0), row(1, 1.0), row(2, 0.0)].concat();
         let roof = Surface::new(knots(&[0.5]), knots(&[]), roof, None).unwrap();
-        let error = offset(&Shape::spline(roof, TOLERANCE), 0.1, TOLERANCE).unwrap_err();
+        let error = offset(&Shape::spline(roof, TOLERANCE), 0.1, None, TOLERANCE).unwrap_err();
         assert!(matches!(error, OffsetError::Rough { off, .. } if 0.01 < off), "{error}");
         let point = Surface::new(knots(&[]), knots(&[]), vec![DVec3::X; 4], None).unwrap();
-        let error = offset(&Shape::Spline { surface: point, closed: [false; 2] }, 0.1, TOLERANCE).unwrap_err();
+        let error = offset(&Shape::Spline { surface: point, closed: [false; 2] }, 0.1, None, TOLERANCE).unwrap_err();
         assert!(matches!(error, OffsetError::NoNormal(..)), "{error}");
     }
 }

@@ -1,9 +1,15 @@
 //! Curves at a distance from others, with the same parameters (ISO 10303-42, `offset_curve_3d`).
 //!
-//! Lines and arcs stay what they are. All others are interpolated by quintics, within a distance that is measured.
+//! Lines and arcs stay what they are. All others are interpolated by quintics, within a distance that is proven ([`bound`]), or else
+//! measured.
+//!
+//! [`bound`]: super::bound
 
+use super::across::{Across, Ramp};
+use super::bound::curve_bound;
 use super::curve::Curve;
 use super::fit::{acceptable, fitting};
+use super::off::{Interpolated, Off, nearest};
 use glam::{DVec2, DVec3};
 use nurbs::{Halving, KnotVector, NurbsError, QUINTIC, Quintics, SpaceCurve, quintics};
 use std::cell::Cell;
@@ -19,8 +25,8 @@ const PARALLEL: f64 = 1e-9;
 #[derive(Debug)]
 pub(crate) struct Offset<T> {
     pub made: T,
-    /// How far it was measured to be off, model units; 0 where it is exact.
-    pub off: f64,
+    /// How far it is off; 0 where it is exact.
+    pub off: Off,
 }
 
 /// Why nothing is made at a distance.
@@ -42,25 +48,8 @@ pub(crate) enum OffsetError {
     Nurbs(#[from] NurbsError),
 }
 
-/// A distance that changes evenly with a curve's parameter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Ramp {
-    /// At parameter 0, and by how much it grows in 1.
-    pub start: f64,
-    pub slope: f64,
-}
-
-impl Ramp {
-    pub fn even(distance: f64) -> Self {
-        Self { start: distance, slope: 0.0 }
-    }
-
-    fn at(&self, t: f64) -> f64 {
-        self.start + self.slope * t
-    }
-}
-
-/// The curve at a distance along `reference` × T, T being its tangent; `tolerance` is the file's.
+/// The curve at a distance along `reference` × T, T being its tangent; `tolerance` is the file's. `range` are the curve's ends where
+/// it has none of its own.
 ///
 /// # Errors
 /// Each of [`OffsetError`] but [`OffsetError::NoNormal`].
@@ -68,14 +57,15 @@ pub(crate) fn sideways(
     curve: &Curve,
     reference: DVec3,
     ramp: Ramp,
+    range: Option<[f64; 2]>,
     tolerance: f64,
 ) -> Result<Offset<Curve>, OffsetError> {
-    let across = |t: f64| reference.cross(curve.tangent(t)).try_normalize();
+    let across = Across::Beside(-reference);
     match curve {
         Curve::Line { origin, direction } => {
-            let across = across(0.0).ok_or(OffsetError::NoDirection(0.0))?;
+            let across = across.unit(curve, 0.0).ok_or(OffsetError::NoDirection(0.0))?;
             let (origin, direction) = (origin + across * ramp.start, direction + across * ramp.slope);
-            Ok(Offset { made: Curve::Line { origin, direction }, off: 0.0 })
+            Ok(Offset { made: Curve::Line { origin, direction }, off: Off::default() })
         }
         Curve::Ellipse { frame, radii }
             if radii.x == radii.y
@@ -84,27 +74,29 @@ pub(crate) fn sideways(
         {
             let radius = radii.x - ramp.start * reference.dot(frame.z).signum();
             let made = Curve::Ellipse { frame: *frame, radii: DVec2::splat(radius) };
-            if 0.0 < radius { Ok(Offset { made, off: 0.0 }) } else { Err(OffsetError::Nothing) }
+            if 0.0 < radius { Ok(Offset { made, off: Off::default() }) } else { Err(OffsetError::Nothing) }
         }
-        curve => along(curve, across, ramp, tolerance),
+        curve => along(curve, &across, ramp, range, tolerance),
     }
 }
 
-/// The curve at a distance along the unit vector that `across` says for each parameter.
+/// The curve at a distance across; `range` are its ends where it has none of its own.
 ///
 /// # Errors
 /// As [`sideways`].
 pub(crate) fn along(
     curve: &Curve,
-    across: impl Fn(f64) -> Option<DVec3>,
+    across: &Across,
     ramp: Ramp,
+    range: Option<[f64; 2]>,
     tolerance: f64,
 ) -> Result<Offset<Curve>, OffsetError> {
-    let range = curve.domain().or(curve.period().map(|period| [0.0, period])).ok_or(OffsetError::Endless)?;
+    let whole = curve.domain().or(curve.period().map(|period| [0.0, period]));
+    let range = whole.or(range).ok_or(OffsetError::Endless)?;
     let [start, end] = range;
     let lost = Cell::new(None);
     let at = |t: f64| {
-        let across = across(t);
+        let across = across.unit(curve, t);
         if across.is_none() {
             lost.set(Some(t));
         }
@@ -114,17 +106,23 @@ pub(crate) fn along(
     let size = nurbs::Hull::of(breaks.iter().map(|t| curve.point(*t))).diagonal();
     let size = size.max(ramp.at(start).abs());
     let most = acceptable(tolerance, size);
-    let halving = Halving { tolerance: fitting(tolerance, size), depth: HALVINGS, parts: MOST_PARTS };
-    let Quintics { knots, points, error } = quintics(&breaks, at, |a, b| a.distance(b), halving);
-    match lost.get() {
-        Some(t) => Err(OffsetError::NoDirection(t)),
-        None if error <= most => {
-            let spline = SpaceCurve::new(KnotVector::new(QUINTIC, knots)?, &points, None)?;
-            let made = Curve::Spline { spline, is_closed: curve.period().is_some() };
-            Ok(Offset { made, off: error })
+    let (made, off) = nearest(most, |share| {
+        let halving = Halving { tolerance: share * fitting(tolerance, size), depth: HALVINGS, parts: MOST_PARTS };
+        let Quintics { knots, points, error } = quintics(&breaks, at, |a, b| a.distance(b), halving);
+        if let Some(t) = lost.get() {
+            return Err(OffsetError::NoDirection(t));
         }
-        None => Err(OffsetError::Rough { off: error, tolerance: most }),
-    }
+        if most < error {
+            return Err(OffsetError::Rough { off: error, tolerance: most });
+        }
+        let ends: Vec<f64> = knots[QUINTIC..knots.len() - QUINTIC].iter().step_by(QUINTIC).copied().collect();
+        let mut bounds = ends.windows(2).map(|part| curve_bound(curve, [part[0], part[1]], across, ramp));
+        let bound = bounds.try_fold(0.0f64, |most, bound| Some(most.max(bound?)));
+        let spline = SpaceCurve::new(KnotVector::new(QUINTIC, knots)?, &points, None)?;
+        let made = Curve::Spline { spline, is_closed: curve.period().is_some() };
+        Ok(Interpolated { made, measured: error, bound })
+    })?;
+    Ok(Offset { made, off })
 }
 
 #[cfg(test)]
@@ -160,9 +158,10 @@ mod tests {
         for curve in [line, ellipse(2.0, 2.0), ellipse(3.0, 2.0), arch()] {
             let reference = if matches!(curve, Curve::Ellipse { .. }) { frame.z } else { DVec3::Z };
             for (reference, ramp) in [reference, -reference].into_iter().flat_map(|r| ramps.map(|ramp| (r, ramp))) {
-                let Offset { made, off } = sideways(&curve, reference, ramp, TOLERANCE).unwrap();
+                let Offset { made, off } = sideways(&curve, reference, ramp, None, TOLERANCE).unwrap();
                 let found = farthest(&curve, &made, reference, ramp);
-                assert!(off <= 1e-7 && found <= off + 1e-9, "{off:e} {found:e} {curve:?}");
+                assert!(off.most <= 1e-6 && found <= off.most + 1e-9, "{off:?} {found:e} {curve:?}");
+                assert!(!off.is_measured, "{curve:?}");
                 assert_eq!(made.period(), curve.period());
             }
         }
@@ -172,10 +171,24 @@ mod tests {
     fn a_curve_without_a_way_across_is_an_error() {
         let even = Ramp::even(1.0);
         let line = Curve::Line { origin: DVec3::ZERO, direction: DVec3::Z };
-        assert!(matches!(sideways(&line, DVec3::Z, even, TOLERANCE), Err(OffsetError::NoDirection(_))));
+        assert!(matches!(sideways(&line, DVec3::Z, even, None, TOLERANCE), Err(OffsetError::NoDirection(_))));
         let corner = Curve::polyline(&[DVec3::ZERO, DVec3::X, DVec3::ONE], TOLERANCE).unwrap();
-        assert!(matches!(sideways(&corner, DVec3::Z, even, TOLERANCE), Err(OffsetError::Rough { .. })));
+        assert!(matches!(sideways(&corner, DVec3::Z, even, None, TOLERANCE), Err(OffsetError::Rough { .. })));
         let parabola = Curve::Parabola { frame: Frame::new(DVec3::ZERO, None, None).unwrap(), focal: 1.0 };
-        assert!(matches!(sideways(&parabola, DVec3::Z, even, TOLERANCE), Err(OffsetError::Endless)));
+        assert!(matches!(sideways(&parabola, DVec3::Z, even, None, TOLERANCE), Err(OffsetError::Endless)));
+    }
+
+    #[test]
+    fn a_curve_without_ends_runs_beside_another_between_those_that_are_given() {
+        let frame = Frame::new(DVec3::ONE, Some(DVec3::new(0.0, 1.0, 1.0)), None).unwrap();
+        let parabola = Curve::Parabola { frame, focal: 0.5 };
+        let hyperbola = Curve::Hyperbola { frame, radii: DVec2::new(2.0, 1.0) };
+        for curve in [parabola, hyperbola] {
+            let ramp = Ramp::even(0.25);
+            let Offset { made, off } = sideways(&curve, frame.z, ramp, Some([-0.5, 2.5]), TOLERANCE).unwrap();
+            assert_eq!(made.domain(), Some([-0.5, 2.5]));
+            let found = farthest(&curve, &made, frame.z, ramp);
+            assert!(!off.is_measured && off.most <= 1e-6 && found <= off.most + 1e-9, "{off:?} {found:e}");
+        }
     }
 }

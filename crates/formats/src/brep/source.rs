@@ -1,6 +1,7 @@
 //! A face as a reader hands it over, and what comes of it.
 
 use super::frame::Motion;
+use super::off::Off;
 use super::path::Use;
 use super::shape::Shape;
 use nurbs::{Direction, NurbsError, Surface};
@@ -16,9 +17,8 @@ pub(crate) struct Source {
     pub bounds: Vec<Bound>,
     /// The file's tolerance, model units.
     pub tolerance: f64,
-    /// How far the shape, or a curve of an edge, was measured to be from what the file says, model units: offsets of splines
-    /// are none.
-    pub off: f64,
+    /// How far the shape, or a curve of an edge, is from what the file says: offsets of splines are none.
+    pub off: Off,
 }
 
 /// A loop as a reader found it.
@@ -69,8 +69,8 @@ pub(crate) struct Found {
     pub error: f64,
     /// How far any edge was measured to be from the surface, model units.
     pub gap: f64,
-    /// How far the surface, or a curve of an edge, was measured to be from what the file says, model units.
-    pub off: f64,
+    /// How far the surface, or a curve of an edge, is from what the file says.
+    pub off: Off,
     /// How far any vertex is from an edge that ends in it, where that is above the file's tolerance, model units.
     pub vertex: f64,
 }

@@ -9,12 +9,21 @@ use crate::place::Place;
 pub(crate) struct Total {
     faces: usize,
     first: Option<u64>,
-    /// Faces of which a shape or a curve is not quite the file's: how many, and the first.
-    beside: usize,
-    first_beside: Option<u64>,
+    /// Faces of which a shape or a curve is within a proven distance of the file's, and not the same.
+    beside: Beside,
+    /// Those of which how far they are is measured alone.
+    measured: Beside,
     /// A face with the vertex that is farthest from its edges.
     vertex: Option<u64>,
     found: Found,
+}
+
+/// Faces that are not quite the file's: how many, the first, and how far any is at most, model units.
+#[derive(Default)]
+struct Beside {
+    faces: usize,
+    first: Option<u64>,
+    most: f64,
 }
 
 impl Total {
@@ -23,11 +32,12 @@ impl Total {
             self.faces += 1;
             self.first.get_or_insert(face);
         }
-        if 0.0 < found.off {
-            self.beside += 1;
-            self.first_beside.get_or_insert(face);
+        if 0.0 < found.off.most {
+            let own = if found.off.is_measured { &mut self.measured } else { &mut self.beside };
+            own.faces += 1;
+            own.first.get_or_insert(face);
+            own.most = own.most.max(found.off.most);
         }
-        self.found.off = self.found.off.max(found.off);
         self.found.projected += found.projected;
         self.found.error = self.found.error.max(found.error);
         self.found.gap = self.found.gap.max(found.gap);
@@ -46,17 +56,18 @@ impl Total {
             self.faces
         );
         let edges = self.first.map(|face| Note { kind: NoteKind::Approximated, place: place(face), text });
-        let text = format!(
-            "{} faces, this one the first, are on offsets of splines, or within such curves: these are followed within {:.1e} {unit}, \
-             as measured",
-            self.beside, self.found.off
-        );
-        let beside = self.first_beside.map(|face| Note { kind: NoteKind::Approximated, place: place(face), text });
+        let beside = [(&self.beside, "proven"), (&self.measured, "measured")].map(|(Beside { faces, first, most }, how)| {
+            let text = format!(
+                "{faces} faces, this one the first, are on offsets of splines, or within such curves: these are followed within \
+                 {most:.1e} {unit}, as {how}"
+            );
+            first.map(|face| Note { kind: NoteKind::Approximated, place: place(face), text })
+        });
         let text = format!(
             "vertices are up to {:.1e} {unit} from their edges, at this face; gaps there are closed, above the file's tolerance",
             self.found.vertex
         );
         let vertex = self.vertex.map(|face| Note { kind: NoteKind::Healed, place: place(face), text });
-        edges.into_iter().chain(beside).chain(vertex)
+        edges.into_iter().chain(beside.into_iter().flatten()).chain(vertex)
     }
 }

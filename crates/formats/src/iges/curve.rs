@@ -6,9 +6,10 @@ use super::fault::{Fault, fault};
 use super::geometry::{DEEPEST, Geometry, moved_frame};
 use super::spline::{cubic_curve, spline_curve};
 use super::value::Parameters;
+use crate::brep::across::Ramp;
 use crate::brep::curve::Curve;
 use crate::brep::frame::{Frame, Motion};
-use crate::brep::parallel::{Ramp, sideways};
+use crate::brep::parallel::sideways;
 use crate::brep::path::Piece;
 use crate::spline::Spline;
 use glam::{DAffine2, DVec2, DVec3};
@@ -135,24 +136,38 @@ fn beside(geometry: &Geometry, own: Parameters, depth: usize) -> Result<Piece, F
         _ => 0.0,
     };
     let slack = JOINT * (b - a);
-    let [start, end] = [start + shift, end + shift];
+    let [start, end] = [start, end].map(|t| own_parameter(&curve, t + shift));
     if !(a - slack <= start && start < end && end <= b + slack) {
         return Err(fault(own.number, format!("it runs from {start} to {end}, and its curve from {a} to {b}")));
     }
     let distance = own.number(6)?;
     let ramp = match (own.whole(2)?, own.whole(5)?) {
         (1, _) => Ramp::even(distance),
+        (2, 2) if matches!(curve, Curve::Hyperbola { .. }) => {
+            return Err(fault(own.number, "offsets that change along a hyperbola are not read"));
+        }
         (2, 2) => {
             let v = own.numbers(7, 3)?;
-            let slope = (v[1] - distance) / (v[2] - v[0]);
-            Ramp { start: distance - slope * (v[0] + shift), slope }
+            let [from, to] = [v[0], v[2]].map(|t| own_parameter(&curve, t + shift));
+            let slope = (v[1] - distance) / (to - from);
+            Ramp { start: distance - slope * from, slope }
         }
         (2, _) => return Err(fault(own.number, "offsets that change with the arc's length are not read")),
         _ => return Err(fault(own.number, "offsets by a function are not read")),
     };
     let reference = DVec3::from_slice(&own.numbers(10, 3)?);
-    let curve = geometry.beside(own.number, sideways(&curve, reference, ramp, geometry.tolerance))?;
+    let curve = geometry.beside(own.number, sideways(&curve, reference, ramp, Some([a, b]), geometry.tolerance))?;
     Ok(Piece { curve, range: [start.max(a), end.min(b)] })
+}
+
+/// The parameter of a curve at which the file's is `t`: a parabola's is the way along its tangent at the apex there, and a hyperbola is
+/// (a sec t, b tan t).
+fn own_parameter(curve: &Curve, t: f64) -> f64 {
+    match curve {
+        Curve::Parabola { focal, .. } => t / (2.0 * focal),
+        Curve::Hyperbola { .. } => libm::tan(t).asinh(),
+        _ => t,
+    }
 }
 
 /// A circle's part from `start` to `end`, counter-clockwise; a whole one where they are the same.

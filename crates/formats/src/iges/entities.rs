@@ -38,6 +38,8 @@ pub(super) struct Entry {
     pub is_dependent: bool,
     /// The number of its colour; negative, that of the entry that defines it; 0 for none.
     pub colour: i32,
+    /// Its level, 0 for none; negative, that of the entry that lists several.
+    pub level: i32,
     /// Its label.
     pub label: [u8; FIELD],
 }
@@ -155,9 +157,10 @@ fn entry(cards: &Cards, first: Card, second: Card) -> Option<Entry> {
     // Eight digits in pairs: blank, subordinate, use, hierarchy; blanks for zeros.
     let status = field(top, 8);
     let pair = |at: usize| status.get(at..at + 2).and_then(whole).unwrap_or(0);
-    let signed =
-        |at: usize| std::str::from_utf8(field(bottom, at).trim_ascii()).ok().and_then(|text| text.parse::<i32>().ok());
-    let form = signed(4).and_then(|form| i16::try_from(form).ok());
+    let signed = |text: &[u8], at: usize| {
+        std::str::from_utf8(field(text, at).trim_ascii()).ok().and_then(|text| text.parse::<i32>().ok())
+    };
+    let form = signed(bottom, 4).and_then(|form| i16::try_from(form).ok());
     let mut label = [b' '; FIELD];
     field(bottom, 7).iter().zip(&mut label).for_each(|(byte, place)| *place = *byte);
     Some(Entry {
@@ -169,7 +172,8 @@ fn entry(cards: &Cards, first: Card, second: Card) -> Option<Entry> {
         parameters: number(top, 1),
         is_blanked: pair(0) == 1,
         is_dependent: matches!(pair(2), 1 | 3),
-        colour: signed(2).unwrap_or(0),
+        colour: signed(bottom, 2).unwrap_or(0),
+        level: signed(top, 4).unwrap_or(0),
         label,
     })
 }

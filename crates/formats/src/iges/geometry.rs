@@ -3,6 +3,7 @@
 use super::entities::{Entities, Entity};
 use super::fault::{Fault, fault};
 use crate::brep::frame::{Frame, Motion};
+use crate::brep::off::Off;
 use crate::brep::parallel::{Offset, OffsetError};
 use glam::DVec3;
 use std::cell::Cell;
@@ -20,7 +21,7 @@ pub(super) struct Geometry<'f, 'b> {
     /// Points nearer to each other than this are one, model units.
     pub tolerance: f64,
     /// How far anything that was made is from what the file says, at most, as measured, model units.
-    pub off: &'f Cell<f64>,
+    pub off: &'f Cell<Off>,
     /// How many control points and edges may still be made.
     pub work: &'f Cell<usize>,
 }

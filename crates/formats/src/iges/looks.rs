@@ -1,8 +1,9 @@
-//! What a file says of a face beyond its shape: its name, its colour, and the kind of its surface.
+//! What a file says of a face beyond its shape: its name, its colour, its layers, and the kind of its surface.
 
 use super::assembly::Placed;
 use super::entities::{Entities, Entity};
-use super::value::Value;
+use super::levels::Levels;
+use super::value::words;
 use crate::document::{Attributes, Colour, SurfaceKind};
 use std::sync::Arc;
 
@@ -14,12 +15,16 @@ const COLOURS: [[u8; 3]; 8] =
 const NAME: i16 = 15;
 
 /// A face's own looks, else those of its surface, else those of what holds it.
-pub(super) fn looks(entities: &Entities, placed: &Placed) -> Attributes {
+pub(super) fn looks(entities: &Entities, placed: &Placed, levels: &mut Levels) -> Attributes {
     let surface = basis(entities, placed.number);
     let those = || [Some(placed.number), surface, placed.holder].into_iter().flatten();
     Attributes {
         name: those().find_map(|number| name(entities, number)),
         colour: those().find_map(|number| colour(entities, number)),
+        layers: those()
+            .map(|number| levels.layers(entities, number))
+            .find(|layers| !layers.is_empty())
+            .unwrap_or_default(),
         surface: kind(entities, surface.unwrap_or(placed.number)),
     }
 }
@@ -64,7 +69,7 @@ fn colour(entities: &Entities, number: u32) -> Option<Colour> {
 fn name(entities: &Entities, number: u32) -> Option<Arc<str>> {
     let entry = entities.entry(number)?;
     let given = entities.get(number).ok().and_then(|entity| match entry.kind {
-        308 => text(&entity, 2),
+        308 => entity.parameters().text(2),
         _ => property(entities, &entity),
     });
     given.or_else(|| words(&entry.label))
@@ -87,20 +92,6 @@ fn property(entities: &Entities, entity: &Entity) -> Option<Arc<str>> {
     let count = own.count(first, 1).ok()?;
     own.pointers(first + 1, count).ok()?.into_iter().find_map(|property| {
         entities.entry(property).filter(|entry| entry.kind == 406 && entry.form == NAME)?;
-        text(&entities.get(property).ok()?, 2)
+        entities.get(property).ok()?.parameters().text(2)
     })
-}
-
-fn text(entity: &Entity, at: usize) -> Option<Arc<str>> {
-    match entity.parameters().values.get(at) {
-        Some(Value::Text(bytes)) => words(bytes),
-        _ => None,
-    }
-}
-
-/// Text without the blanks about it; `None` for none.
-fn words(bytes: &[u8]) -> Option<Arc<str>> {
-    let text = String::from_utf8_lossy(bytes);
-    let text = text.trim();
-    (!text.is_empty()).then(|| text.into())
 }

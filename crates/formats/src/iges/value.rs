@@ -1,6 +1,7 @@
 //! Free-format parameters: fields between delimiters, and what they hold.
 
 use super::fault::{Fault, fault};
+use std::sync::Arc;
 
 /// A parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,6 +130,13 @@ fn number(text: &[u8]) -> Option<f64> {
     number.is_finite().then_some(number)
 }
 
+/// Text without the blanks about it; `None` for none.
+pub(super) fn words(bytes: &[u8]) -> Option<Arc<str>> {
+    let text = String::from_utf8_lossy(bytes);
+    let text = text.trim();
+    (!text.is_empty()).then(|| text.into())
+}
+
 /// Parameters of an entity, by position; its type stands at 0, as in the standard's tables.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Parameters<'e> {
@@ -199,6 +207,14 @@ impl Parameters<'_> {
     /// Pointers in a row.
     pub fn pointers(self, from: usize, count: usize) -> Result<Vec<u32>, Fault> {
         (from..from + count).map(|at| self.pointer(at)).collect()
+    }
+
+    /// A text without the blanks about it; `None` for none.
+    pub fn text(self, at: usize) -> Option<Arc<str>> {
+        match self.values.get(at) {
+            Some(Value::Text(bytes)) => words(bytes),
+            _ => None,
+        }
     }
 
     /// A flag: 0 or 1.

@@ -474,6 +474,7 @@ object! {
             name: String,
             colour: String,
             kind: String,
+            layers: Vec<String>,
             reversed: bool,
             tolerance: f64,
             edge_tolerance: f64,

@@ -1,4 +1,4 @@
-//! What a file says beyond its shapes: the unit, and of each face its name, its colour and the kind of its surface.
+//! What a file says beyond its shapes: the unit, and of each face its name, its colour, its layers and the kind of its surface.
 
 use super::raw::{RawFace, RawUnit};
 use crate::document::{Attributes, Colour, SurfaceKind, Unit};
@@ -25,7 +25,8 @@ pub(super) fn attributes(raw: &mut RawFace, place: &Member) -> Result<Attributes
         found.ok_or_else(|| place.key("kind").value(text, "a kind of surface, as \"plane\" or \"b-spline\""))
     });
     let name = raw.name.take().map(Arc::from);
-    Ok(Attributes { name, colour: colour.transpose()?, surface: kind.transpose()?.unwrap_or_default() })
+    let layers = raw.layers.take().unwrap_or_default().into_iter().map(Arc::from).collect();
+    Ok(Attributes { name, colour: colour.transpose()?, layers, surface: kind.transpose()?.unwrap_or_default() })
 }
 
 /// The document's member for the unit, after a comma; nothing where there is none.
@@ -37,11 +38,15 @@ pub(super) fn unit_text(unit: Option<&Unit>) -> String {
 
 /// A face's members for what is said of it, each after a comma; nothing where nothing is said.
 pub(super) fn attributes_text(attributes: &Attributes) -> String {
-    let Attributes { name, colour, surface } = attributes;
+    let Attributes { name, colour, layers, surface } = attributes;
     let name = name.as_ref().map(|name| format!(",\"name\":{}", quoted(name)));
     let colour = colour.map(|colour| format!(",\"colour\":\"{colour}\""));
     let kind = (*surface != SurfaceKind::default()).then(|| format!(",\"kind\":\"{surface}\""));
-    name.into_iter().chain(colour).chain(kind).collect()
+    let layers = (!layers.is_empty()).then(|| {
+        let names: Vec<String> = layers.iter().map(|name| quoted(name)).collect();
+        format!(",\"layers\":[{}]", names.join(","))
+    });
+    name.into_iter().chain(colour).chain(layers).chain(kind).collect()
 }
 
 fn quoted(text: &str) -> String {

@@ -18,7 +18,7 @@ pub fn write(model: &Model) -> Result<String, FormatError> {
     text(model, None, &[])
 }
 
-/// The document as JSON text, ending in a newline: the model with its unit, and the names, colours and kinds of its faces.
+/// The document as JSON text, ending in a newline: the model with its unit, and the names, colours, layers and kinds of its faces.
 /// [`super::document`] returns an equal one, bit for bit, but for the notes on how the file was read.
 ///
 /// # Errors

@@ -8,7 +8,7 @@ use super::class::Class;
 use super::extrusion::Extrusion;
 use super::sheet::Sheet;
 use super::tables::{Record, Tables};
-use crate::document::{Attributes, Colour, Document, Note, NoteKind};
+use crate::document::{Attributes, Colour, Document, Layers, Note, NoteKind};
 use crate::error::{Cause, FormatError, shorten};
 use crate::format::file_name;
 use crate::place::Place;
@@ -31,6 +31,8 @@ struct Assembly<'t, 'a> {
     records: HashMap<Uuid, usize>,
     /// What objects of blocks are drawn as, by their records.
     bodies: HashMap<usize, Body>,
+    /// By their numbers.
+    layers: HashMap<i32, Layers>,
     surfaces: Vec<Surface>,
     faces: Vec<(usize, Face)>,
     /// The record of each face, and what is said of it.
@@ -51,6 +53,7 @@ pub(super) fn document(mut tables: Tables, file: &str) -> Result<Document, Forma
         tables,
         records: tables.records.iter().enumerate().filter_map(by_id).collect(),
         bodies: HashMap::new(),
+        layers: HashMap::new(),
         surfaces: vec![],
         faces: vec![],
         origins: vec![],
@@ -189,8 +192,12 @@ impl Assembly<'_, '_> {
         let (first_surface, first_edge) = (self.surfaces.len(), self.next_edge);
         let name = &self.tables.records[k].attributes.name;
         let name: Option<Arc<str>> = (!name.is_empty()).then(|| name.as_str().into());
+        let own = &self.tables.records[k].attributes;
+        let read = || self.tables.layer_path(own).map(Arc::from).into_iter().collect();
+        let layers = self.layers.entry(own.layer).or_insert_with(read).clone();
         for mut face in body.faces {
-            let attributes = Attributes { name: name.clone(), colour, surface: body.kinds[face.surface] };
+            let surface = body.kinds[face.surface];
+            let attributes = Attributes { name: name.clone(), colour, layers: layers.clone(), surface };
             face.surface += first_surface;
             for trim in face.loops.iter_mut().flat_map(|boundary| &mut boundary.trims) {
                 trim.edge = trim.edge.map(|edge| first_edge + edge);

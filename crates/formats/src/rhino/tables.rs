@@ -8,6 +8,12 @@ use super::material::Material;
 use crate::document::{Colour, NoteKind, Unit};
 use std::collections::HashMap;
 
+/// Between the names of a layer's path.
+const LAYER_SEPARATOR: &str = "::";
+
+/// How many names of a layer's path are kept: a file may say that a layer is above itself.
+const DEEPEST_LAYER: usize = 64;
+
 /// What stands in the tables.
 #[derive(Default)]
 pub(super) struct Tables<'a> {
@@ -160,6 +166,19 @@ impl<'a> Tables<'a> {
     /// The layer of an object.
     pub fn layer(&self, attributes: &Attributes) -> Option<&Layer> {
         self.layers.iter().find(|layer| layer.index == attributes.layer)
+    }
+
+    /// The path of an object's layer from the outermost one, as Rhino writes it; of one that is too deep, its end.
+    pub fn layer_path(&self, attributes: &Attributes) -> Option<String> {
+        let mut layer = self.layer(attributes)?;
+        let mut path = layer.name.clone();
+        for _ in 1..DEEPEST_LAYER {
+            let is_parent = |other: &&Layer| !layer.parent.is_nil() && other.id == layer.parent;
+            let Some(parent) = self.layers.iter().find(is_parent) else { break };
+            layer = parent;
+            path = format!("{}{LAYER_SEPARATOR}{path}", layer.name);
+        }
+        (!path.is_empty()).then_some(path)
     }
 
     /// How an object is drawn, `parent` being how the reference is that places it. No colour is that of no material.

@@ -1,18 +1,21 @@
 //! What a file shows, and where: its representations, placed in each other as the product structure says ([`Structure`]).
 //!
 //! A representation holds items in coordinates of its own. Those that stand in no other are the roots, and from each of
-//! them all is reached that is drawn. Name, colour and visibility are those of the innermost part that says them: a face,
-//! its shell, its body, its product.
+//! them all is reached that is drawn. Name, colour, layers and visibility are those of the innermost part that says them: a
+//! face, its shell, its body, its product.
 
 use super::fault::{Fault, fault};
 use super::geometry::Geometry;
+use super::layers::{LAYER, layers};
 use super::p21::Instances;
+use super::said::Said;
 use super::structure::{Child, REPRESENTATIONS, Structure};
 use super::styles::Styles;
 use super::units::Units;
 use crate::brep::frame::Motion;
 use crate::brep::gathered::TOO_MANY;
-use crate::document::{Attributes, Colour};
+use crate::brep::off::Off;
+use crate::document::{Attributes, Colour, Layers};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -36,7 +39,7 @@ pub(super) struct Placed {
     pub context: Option<u64>,
     /// Which of the placed representations it is in: faces share edges only within one.
     pub instance: usize,
-    /// Its name and colour.
+    /// Its name, colour and layers.
     pub attributes: Attributes,
 }
 
@@ -67,6 +70,7 @@ struct Walk<'f, 'b> {
     instances: &'f Instances<'b>,
     structure: Structure,
     styles: Styles,
+    layers: Said<Layers>,
     owner: Owner,
     /// The labels of items, and the products of representations, each read once: a file may place one in many places.
     labels: BTreeMap<u64, Option<Arc<str>>>,
@@ -89,12 +93,14 @@ impl Assembly {
     pub fn new(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>) -> Self {
         let mut faults = vec![];
         let structure = Structure::new(instances, of, &mut faults);
+        let layers = layers(instances, &of[LAYER], &mut faults);
         let assembly = Self { faults, ..Self::default() };
         let most = FACES + instances.bytes() / BYTES_A_FACE;
         let mut walk = Walk {
             instances,
             structure,
             styles: Styles::new(instances, of),
+            layers,
             owner: Owner::default(),
             labels: BTreeMap::new(),
             contexts: BTreeMap::new(),
@@ -126,7 +132,7 @@ impl Walk<'_, '_> {
         self.assembly.faults.push(fault(number, why));
     }
 
-    /// Walks what an instance is made of: name, colour and visibility are its own where a part says nothing else.
+    /// Walks what an instance is made of: name, colour, layers and visibility are its own where a part says nothing else.
     fn within(&mut self, number: u64, name: Option<Arc<str>>, walk: impl FnOnce(&mut Self)) {
         let outer = self.owner.clone();
         self.inside.push(number);
@@ -135,6 +141,9 @@ impl Walk<'_, '_> {
         let colour = over.or_else(|| self.styles.colour(number, &self.inside));
         self.owner.attributes.colour = colour.or(outer.attributes.colour);
         self.owner.over.extend(self.styles.over(number));
+        if let Some(layers) = self.layers.get(number, &self.inside) {
+            self.owner.attributes.layers = layers.clone();
+        }
         let hidden_by = self.styles.hidden_by(number, &self.inside).filter(|_| !outer.is_hidden).map(str::to_owned);
         self.owner.is_hidden |= hidden_by.is_some();
         let before = self.assembly.hidden.len();
@@ -252,7 +261,7 @@ impl Walk<'_, '_> {
     }
 
     fn mapped(&mut self, number: u64, motion: &Motion, context: Option<u64>) {
-        let (work, off) = (Cell::new(usize::MAX), Cell::new(0.0));
+        let (work, off) = (Cell::new(usize::MAX), Cell::new(Off::default()));
         let geometry = Geometry { instances: self.instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work };
         let target = || -> Result<(u64, Motion), Fault> {
             let item = geometry.get(number)?;

@@ -4,10 +4,12 @@ use super::fault::{Fault, fault};
 use super::p21::Instances;
 use super::spline::spline_parameters;
 use super::value::{Entity, Value};
+use crate::brep::across::Ramp;
 use crate::brep::curve::Curve;
 use crate::brep::frame::{Frame, Motion};
-use crate::brep::offset::{IN_VAIN, cost, offset};
-use crate::brep::parallel::{Offset, OffsetError, Ramp, sideways};
+use crate::brep::off::Off;
+use crate::brep::offset::{IN_VAIN, cost, offset, size};
+use crate::brep::parallel::{Offset, OffsetError, sideways};
 use crate::brep::path::Piece;
 use crate::brep::shape::{Profile, Shape};
 use crate::document::SurfaceKind;
@@ -59,7 +61,7 @@ pub(super) struct Geometry<'f, 'b> {
     /// The uncertainty of lengths, model units.
     pub tolerance: f64,
     /// How far anything that was made is from what the file says, at most, as measured, model units.
-    pub off: &'f Cell<f64>,
+    pub off: &'f Cell<Off>,
     /// How many control points and edges may still be read: a few bytes may name the same large curve again and again.
     pub work: &'f Cell<usize>,
 }
@@ -203,7 +205,7 @@ impl<'b> Geometry<'_, 'b> {
             "OFFSET_CURVE_3D" => {
                 let curve = self.curve_within(own.reference(1)?, depth + 1)?;
                 let (distance, reference) = (own.number(2)?, self.direction(own.reference(4)?)?);
-                self.beside(number, sideways(&curve, reference, Ramp::even(distance), self.tolerance))
+                self.beside(number, sideways(&curve, reference, Ramp::even(distance), None, self.tolerance))
             }
             "CURVE_REPLICA" => {
                 let curve = self.curve_within(own.reference(1)?, depth + 1)?;
@@ -353,11 +355,13 @@ impl<'b> Geometry<'_, 'b> {
             "OFFSET_SURFACE" => {
                 let basis = self.surface_within(own.reference(1)?, depth + 1)?;
                 self.spend(number, cost(&basis))?;
-                let offset = offset(&basis, own.number(2)?, self.tolerance);
+                let offset = offset(&basis, own.number(2)?, None, self.tolerance);
                 if offset.is_err() {
                     self.spend(number, IN_VAIN)?;
                 }
-                self.beside(number, offset)
+                let shape = self.beside(number, offset)?;
+                self.spend(number, size(&shape))?;
+                Ok(shape)
             }
             "SURFACE_REPLICA" => {
                 let parent = own.reference(1)?;

@@ -6,6 +6,7 @@
 //! INVISIBILITY hides items, styled ones, and layers with all that is on them.
 
 use super::p21::Instances;
+use super::said::Said;
 use super::structure::REPRESENTATIONS;
 use super::value::{Entity, Value};
 use crate::document::Colour;
@@ -22,9 +23,6 @@ pub(super) const STYLES: [&str; 5] = [
 
 /// How deep a style may be made of others, lists counted.
 const DEEPEST: usize = 16;
-
-/// The most that is kept of one item in one innermost context: what is beyond would have to be tried at every place.
-const MOST: usize = 64;
 
 /// Keywords of contexts that a walk comes through, beside representations.
 const CONTEXTS: [&str; 6] = [
@@ -60,56 +58,6 @@ const NAMED: [(&str, [u8; 3]); 8] = [
     ("black", [0, 0, 0]),
     ("white", [255, 255, 255]),
 ];
-
-/// What is said of items, by their numbers: anywhere, or only within other instances.
-#[derive(Debug)]
-struct Said<T> {
-    anywhere: BTreeMap<u64, T>,
-    /// By the item and the last of the contexts.
-    within: BTreeMap<(u64, u64), Vec<Within<T>>>,
-}
-
-/// What holds only within all of some instances.
-#[derive(Debug)]
-struct Within<T> {
-    contexts: Vec<u64>,
-    said: T,
-}
-
-impl<T> Default for Said<T> {
-    fn default() -> Self {
-        Self { anywhere: BTreeMap::new(), within: BTreeMap::new() }
-    }
-}
-
-impl<T> Said<T> {
-    /// What was said first stays.
-    fn add(&mut self, item: u64, contexts: Vec<u64>, said: T) {
-        match contexts.last() {
-            None => _ = self.anywhere.entry(item).or_insert(said),
-            Some(last) => {
-                let there = self.within.entry((item, *last)).or_default();
-                if there.len() < MOST {
-                    there.push(Within { contexts, said });
-                }
-            }
-        }
-    }
-
-    /// What holds for an item within these instances; that of more contexts before that of fewer.
-    fn get(&self, item: u64, inside: &[u64]) -> Option<&T> {
-        let mut best: Option<&Within<T>> = None;
-        if !self.within.is_empty() {
-            let there = inside.iter().filter_map(|last| self.within.get(&(item, *last))).flatten();
-            for own in there.filter(|own| own.contexts.iter().all(|context| inside.contains(context))) {
-                if best.is_none_or(|best| best.contexts.len() < own.contexts.len()) {
-                    best = Some(own);
-                }
-            }
-        }
-        best.map(|own| &own.said).or_else(|| self.anywhere.get(&item))
-    }
-}
 
 /// What is said of items.
 #[derive(Debug, Default)]
@@ -169,23 +117,24 @@ impl Styles {
     fn hide(&mut self, instances: &Instances, number: u64) {
         let Some(entity) = instances.get(number) else { return };
         let own = entity.parameters();
-        // A styled item stands for what it styles.
-        let place = |number: u64| {
-            let entity = instances.get(number);
-            let styled = entity.as_ref().and_then(|entity| styled(instances, entity));
-            styled.map_or((number, vec![]), |styled| (styled.item, styled.contexts))
-        };
         if entity.keyword() == "PRESENTATION_LAYER_ASSIGNMENT" {
             let name = own.name(0).map_or(String::new(), |name| format!(" \"{}\"", crate::error::shorten(&name)));
             for item in own.references(2).unwrap_or_default() {
-                let (item, contexts) = place(item);
+                let (item, contexts) = meant(instances, item);
                 self.hidden.add(item, contexts, format!("its layer{name} is invisible"));
             }
         } else {
-            let (item, contexts) = place(number);
+            let (item, contexts) = meant(instances, number);
             self.hidden.add(item, contexts, "it is invisible".to_owned());
         }
     }
+}
+
+/// What an item stands for, and within which instances alone: a styled item for what it styles, any other for itself.
+pub(super) fn meant(instances: &Instances, number: u64) -> (u64, Vec<u64>) {
+    let entity = instances.get(number);
+    let styled = entity.as_ref().and_then(|entity| styled(instances, entity));
+    styled.map_or((number, vec![]), |styled| (styled.item, styled.contexts))
 }
 
 /// A styled item.

@@ -294,3 +294,34 @@ fn a_face_has_its_objects_name_and_the_colour_that_its_source_says() {
         assert_eq!(names.collect::<Vec<_>>(), expected.collect::<Vec<_>>(), "version {version}");
     }
 }
+
+#[test]
+fn a_face_is_on_its_objects_layer_by_the_path_that_rhino3dm_says() {
+    let answers = answers_of("layers");
+    let text = |answer: &Value, key: &str| answer[key].as_str().unwrap().to_owned();
+    let mut expected: Vec<_> = answers.iter().map(|answer| (text(answer, "name"), text(answer, "layer"))).collect();
+    expected.sort();
+    for version in [5, 8] {
+        let document =
+            open(root().join(format!("testdata/3dm/layers-{version}.3dm"))).unwrap_or_else(|e| panic!("{e}"));
+        let said = document.attributes.iter();
+        let mut found: Vec<_> =
+            said.map(|said| (said.name.as_deref().unwrap().to_owned(), said.layers.join("; "))).collect();
+        found.sort();
+        assert_eq!(found, expected, "version {version}");
+    }
+}
+
+/// Its path ends, however often it is above itself.
+#[test]
+fn a_layer_above_itself_has_a_path() {
+    let mut bytes = std::fs::read(root().join("testdata/3dm/layers-5.3dm")).unwrap();
+    let name: Vec<u8> = "Karosserie\0".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let at = bytes.windows(name.len()).position(|part| part == name).unwrap() + name.len();
+    // Visibility, the pattern, colour and weight on paper, whether it is locked; then the layer's own number and its parent's.
+    let own = at + 1 + 4 + 4 + 8 + 1;
+    bytes.copy_within(own..own + 16, own + 16);
+    let document = format().read(&bytes, "cyclic.3dm").unwrap();
+    let shell = document.attributes.iter().find(|said| said.name.as_deref() == Some("shell")).unwrap();
+    assert_eq!(*shell.layers[0], *["Karosserie"; 64].join("::"));
+}

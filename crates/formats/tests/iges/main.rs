@@ -11,6 +11,7 @@ mod common;
 mod corpus;
 #[path = "../formats/green.rs"]
 mod green;
+mod levels;
 mod looks;
 #[path = "../formats/opencascade.rs"]
 mod opencascade;

@@ -2,7 +2,7 @@
 
 use crate::closed::{Case, open, turned};
 use crate::writer::{INDEPENDENT, Writer, list};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// All of them.
 pub fn cases() -> Vec<Case> {
@@ -20,6 +20,7 @@ pub fn cases() -> Vec<Case> {
         offset(),
         offset_prism(),
         offset_curves(),
+        offset_conics(),
         copious(),
         part_of_domain(),
     ]
@@ -280,6 +281,45 @@ fn offset_curves() -> Case {
     let plane = w.add(108, 1, &format!("0.0,0.0,1.0,1.0,{border},0.0,0.0,0.0,0.0"));
     w.set_status(plane, INDEPENDENT);
     open("offset-curves", &w, 2, PI * 1.5 * 1.5 + 8.0)
+}
+
+/// What is between a conic (104) and a curve (130) half a unit outside of it, for the parabola y = x² and the hyperbola x² − y² = 1; and a
+/// surface (140) beside a parabola that is pulled (122). What is between is the length times d and θ d² / 2, θ being how far the
+/// curve turns (Steiner).
+fn offset_conics() -> Case {
+    /// The plane between a curve, which is there in both directions, and one beside it; `ends` are the first points of both, and the last.
+    fn between(w: &mut Writer, [there, back]: [usize; 2], side: f64, limit: f64, ends: [[[f64; 2]; 2]; 2]) {
+        let beside = format!("{there},1,0,0,0,0.5,0.0,0.0,0.0,0.0,0.0,{side:?},{:?},{limit:?}", -limit);
+        let beside = w.add(130, 0, &beside);
+        let [[first, first_beside], [last, last_beside]] = ends.map(|pair| pair.map(|[x, y]| [x, y, 0.0]));
+        let (home, out) = (w.line(last_beside, last), w.line(first, first_beside));
+        let border = w.composite(&[beside, home, back, out]);
+        let plane = w.add(108, 1, &format!("0.0,0.0,1.0,0.0,{border},0.0,0.0,0.0,0.0"));
+        w.set_status(plane, INDEPENDENT);
+    }
+    let (d, height) = (0.5, 3.0);
+    let mut w = Writer::new();
+    let parabola = [[-1.0, 1.0], [1.0, -1.0]]
+        .map(|[a, b]: [f64; 2]| w.numbers(104, 3, &[1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, a, a * a, b, b * b]));
+    let x = 2f64.sqrt();
+    let hyperbola = [-1.0, 1.0].map(|y| w.numbers(104, 2, &[1.0, 0.0, -1.0, 0.0, 0.0, -1.0, 0.0, x, y, x, -y]));
+    // Outward at (1, 1) is (2, −1) / √5, and at (√2, 1) it is (−√2, 1) / √3.
+    let [right, down] = [2.0, -1.0].map(|part| d * part / 5f64.sqrt());
+    between(&mut w, parabola, -1.0, 1.0, [-1.0, 1.0].map(|s| [[s, 1.0], [s * (1.0 + right), 1.0 + down]]));
+    let [left, up] = [-x, 1.0].map(|part| d * part / 3f64.sqrt());
+    between(&mut w, hyperbola, 1.0, FRAC_PI_4, [-1.0, 1.0].map(|s| [[x, s], [x + left, s * (1.0 + up)]]));
+    let wall = w.add(122, 0, &format!("{},-1.0,1.0,{height:?}", parabola[0]));
+    let wall = w.add(140, 0, &format!("0.0,-1.0,0.0,{d:?},{wall}"));
+    w.set_status(wall, INDEPENDENT);
+    let (length, turned) = (5f64.sqrt() + 0.5 * 2f64.asinh(), 2.0 * 2f64.atan());
+    // The hyperbola is (cosh t, sinh t), of speed √(cosh 2t), up to t = asinh 1; by Simpson's rule.
+    let (end, steps) = (1f64.asinh(), 1000);
+    let speed = |k: u32| (2.0 * end * f64::from(k) / f64::from(steps)).cosh().sqrt();
+    let weight = |k: u32| if k == 0 || k == steps { 1.0 } else { f64::from(2 + k % 2 * 2) };
+    let hyperbola = 2.0 * end / f64::from(3 * steps) * (0..=steps).map(|k| weight(k) * speed(k)).sum::<f64>();
+    let bent = 2.0 * 2f64.sqrt().recip().atan();
+    let planes = d * (length + 0.5 * d * turned) + d * (hyperbola + 0.5 * d * bent);
+    open("offset-conics", &w, 3, planes + (length + d * turned) * height)
 }
 
 /// Polygons of copious data (106): on a plane in space, and in (u, v).

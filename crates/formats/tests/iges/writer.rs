@@ -15,6 +15,7 @@ struct Entity {
     form: i16,
     status: &'static str,
     matrix: usize,
+    level: i32,
     parameters: String,
 }
 
@@ -48,7 +49,14 @@ impl Writer {
 
     /// Adds an entity that is a part of others, and returns its number; parameters follow its type.
     pub fn add(&mut self, kind: u16, form: i16, parameters: &str) -> usize {
-        self.entities.push(Entity { kind, form, status: DEPENDENT, matrix: 0, parameters: parameters.to_owned() });
+        self.entities.push(Entity {
+            kind,
+            form,
+            status: DEPENDENT,
+            matrix: 0,
+            level: 0,
+            parameters: parameters.to_owned(),
+        });
         2 * self.entities.len() - 1
     }
 
@@ -63,6 +71,12 @@ impl Writer {
 
     pub fn set_matrix(&mut self, number: usize, matrix: usize) -> usize {
         self.entities[number / 2].matrix = matrix;
+        number
+    }
+
+    /// Puts an entity on a level, or on those of a list.
+    pub fn set_level(&mut self, number: usize, level: i32) -> usize {
+        self.entities[number / 2].level = level;
         number
     }
 
@@ -152,8 +166,8 @@ impl Writer {
             }
             records.push((line, 2 * k + 1));
             let count = records.len() + 1 - first;
-            let (kind, status, matrix, form) = (entity.kind, entity.status, entity.matrix, entity.form);
-            directory.push(format!("{kind:8}{first:8}{:8}{:8}{:8}{:8}{matrix:8}{:8}{status:8}", 0, 0, 0, 0, 0));
+            let Entity { kind, status, matrix, form, level, .. } = entity;
+            directory.push(format!("{kind:8}{first:8}{:8}{:8}{level:8}{:8}{matrix:8}{:8}{status:8}", 0, 0, 0, 0));
             directory.push(format!("{kind:8}{:8}{:8}{count:8}{form:8}{:8}{:8}{:8}{:8}", 0, 0, "", "", "", 0));
         }
         directory.iter().enumerate().for_each(|(k, text)| card(text, 'D', k + 1));

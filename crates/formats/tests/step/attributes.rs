@@ -6,7 +6,7 @@ use formats::{Colour, Document, FORMATS, NoteKind, SurfaceKind};
 use glam::DVec3;
 use serde_json::Value;
 
-fn read(text: &str) -> Document {
+pub fn read(text: &str) -> Document {
     let step = FORMATS.iter().find(|format| format.name() == "STEP").expect("it is in the list");
     step.read(text.as_bytes(), "part.step").unwrap_or_else(|error| panic!("{error}"))
 }
@@ -55,7 +55,7 @@ fn faces_have_the_names_and_colours_that_opencascade_reads() {
 }
 
 /// Two discs in a shell, one above the other; the numbers of the faces, the shell and its model.
-fn discs(w: &mut Writer, names: [&str; 2]) -> ([u64; 2], u64, u64) {
+pub fn discs(w: &mut Writer, names: [&str; 2]) -> ([u64; 2], u64, u64) {
     let disc = |w: &mut Writer, name: &str, height: f64, axis: [f64; 3]| {
         let vertex = w.vertex([1.0, 0.0, height]);
         let circle = w.circle([0.0, 0.0, height], 1.0);
@@ -88,7 +88,7 @@ fn colour(w: &mut Writer, item: u64, keyword: &str, colour: &str) -> u64 {
     w.add(format_args!("{keyword}('',(#{style}),#{item}{over})"))
 }
 
-fn finished(w: &mut Writer, model: u64) -> String {
+pub fn finished(w: &mut Writer, model: u64) -> String {
     let context = w.context(Units::MillimetreRadian);
     w.add(format_args!("MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#{model}),#{context})"));
     w.file()
@@ -124,7 +124,7 @@ fn a_face_on_an_invisible_layer_is_left_out_and_never_drawn_as_a_lost_one() {
 }
 
 /// A representation of some items in several places, each a MAPPED_ITEM of another one that is shown; these, and the first one.
-fn mapped(w: &mut Writer, model: u64, count: usize) -> (Vec<u64>, u64) {
+pub fn mapped(w: &mut Writer, model: u64, count: usize) -> (Vec<u64>, u64) {
     let context = w.context(Units::MillimetreRadian);
     let part = w.add(format_args!("MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#{model}),#{context})"));
     let origin = w.placement([0.0; 3], Z, X);

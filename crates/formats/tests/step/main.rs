@@ -11,6 +11,7 @@ mod common;
 mod corpus;
 #[path = "../formats/green.rs"]
 mod green;
+mod layers;
 mod offsets;
 #[path = "../formats/opencascade.rs"]
 mod opencascade;

@@ -18,7 +18,8 @@ fn surfaces_are_taken_as_the_table_says() {
         #10=AXIS1_PLACEMENT('',#1,#3);\n#11=CYLINDRICAL_SURFACE('',#2,1.);\n#12=PLANE('',#2);\n#13=SPHERICAL_SURFACE('',#2,1.);\n\
         #14=POLYLINE('',(#1,#5,#6,#1));\n#15=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#14);\n\
         #16=OUTER_BOUNDARY_CURVE('',(#15),.F.);\n#17=DIRECTION('',(0.,1.,0.));\n#18=AXIS2_PLACEMENT_3D('',#1,#17,$);\n#19=PLANE('',#18);\n\
-        #20=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',$,$,#5,2.,$);\n";
+        #20=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',$,$,#5,2.,$);\n\
+        #21=PARABOLA('',#2,1.);\n#22=SURFACE_OF_LINEAR_EXTRUSION('',#21,#4);\n";
     let net = "((#1,#7),(#5,#6)),.UNSPECIFIED.,.F.,.F.,.F.";
     let bodies: BTreeMap<&str, String> = [
         ("SPHERICAL_SURFACE", "SPHERICAL_SURFACE('',#2,1.)".to_owned()),
@@ -40,6 +41,10 @@ fn surfaces_are_taken_as_the_table_says() {
         ),
         ("OFFSET_SURFACE of plane, cylinder, cone, sphere, torus", "OFFSET_SURFACE('',#13,0.5,.F.)".to_owned()),
         ("OFFSET_SURFACE of others", "OFFSET_SURFACE('',#100,0.5,.F.)".to_owned()),
+        (
+            "OFFSET_SURFACE of what a parabola or a hyperbola sweeps, or of a surface with a crease",
+            "OFFSET_SURFACE('',#22,0.5,.F.)".to_owned(),
+        ),
         ("RECTANGULAR_TRIMMED_SURFACE", "RECTANGULAR_TRIMMED_SURFACE('',#11,0.5,2.,-1.,1.,.T.,.T.)".to_owned()),
         ("CURVE_BOUNDED_SURFACE", "CURVE_BOUNDED_SURFACE('',#19,(#16),.F.)".to_owned()),
         ("RECTANGULAR_COMPOSITE_SURFACE", "RECTANGULAR_COMPOSITE_SURFACE('',())".to_owned()),

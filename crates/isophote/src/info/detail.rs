@@ -23,6 +23,9 @@ struct FaceInfo {
     /// In sRGB: `#rrggbb`.
     #[serde(skip_serializing_if = "Option::is_none")]
     colour: Option<String>,
+    /// The layers that it is on, or that what it is a part of is on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    layers: Vec<String>,
     /// What its surface is in the file.
     kind: String,
     /// Its number in the file: another one where faces before it were left out or cut.
@@ -93,6 +96,7 @@ fn face(document: &Document, id: usize) -> FaceInfo {
         face: id,
         name: said.name.as_ref().map(|name| name.to_string()),
         colour: said.colour.map(|colour| colour.to_string()),
+        layers: said.layers.iter().map(|layer| layer.to_string()).collect(),
         kind: said.surface.to_string(),
         number_in_file: model.number_in_file(FaceId(id as u32)),
         surface: face.surface,

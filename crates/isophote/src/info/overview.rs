@@ -31,6 +31,8 @@ pub struct Overview {
     degenerate_edge_count: usize,
     named_faces: usize,
     coloured_faces: usize,
+    /// Faces by the layers that they are on; one that is on several counts with each.
+    layers: BTreeMap<String, usize>,
     /// Absent where no face has loops.
     trimming: Option<TrimmingInfo>,
     /// What is to be known of how the file was read.
@@ -62,6 +64,7 @@ impl Overview {
             degenerate_edge_count: 0,
             named_faces: document.attributes.iter().filter(|said| said.name.is_some()).count(),
             coloured_faces: document.attributes.iter().filter(|said| said.colour.is_some()).count(),
+            layers: BTreeMap::new(),
             trimming: model.is_trimmed().then(|| trimming(model)),
             notes_by_kind: vec![],
         };
@@ -74,6 +77,12 @@ impl Overview {
             *overview.degrees.entry(format!("{p} × {q}")).or_default() += 1;
             overview.rational_faces += usize::from(surface.weights().is_some());
             overview.degenerate_edge_count += collapsed[face.surface];
+        }
+        for layer in document.attributes.iter().flat_map(|said| said.layers.iter()) {
+            match overview.layers.get_mut(&**layer) {
+                Some(count) => *count += 1,
+                None => _ = overview.layers.insert(layer.to_string(), 1),
+            }
         }
         for kind in [NoteKind::LeftOut, NoteKind::Healed, NoteKind::Approximated] {
             let mut notes = document.notes.iter().filter(|note| note.kind == kind);
@@ -88,6 +97,9 @@ impl Overview {
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!("surfaces: {}; degrees: {}", counts(&self.surfaces), counts(&self.degrees))];
         lines.push(format!("{}; {}", self.parts().join(", "), self.tolerance_text()));
+        if !self.layers.is_empty() {
+            lines.push(format!("layers: {}", layer_counts(&self.layers)));
+        }
         if let Some(trimming) = &self.trimming {
             lines.push(format!("largest gap closed in a loop {:.1e}", trimming.largest_gap_in_a_loop));
             if let Some(EdgeInfo { edge, faces, gap }) = &trimming.widest_edge {
@@ -134,8 +146,23 @@ impl Overview {
             format!("{} degenerate edges", self.degenerate_edge_count),
             format!("{} named", self.named_faces),
             format!("{} coloured", self.coloured_faces),
+            format!("{} layers", self.layers.len()),
         ]
     }
+}
+
+/// How many layers are listed for people.
+const LAYERS_SHOWN: usize = 12;
+
+/// Layers with how many faces are on each, the fullest first.
+fn layer_counts(layers: &BTreeMap<String, usize>) -> String {
+    let mut all: Vec<(&String, &usize)> = layers.iter().collect();
+    all.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+    let text = |(layer, count): &(&String, &usize)| format!("{count} on \"{}\"", escaped(layer));
+    let shown: Vec<String> = all.iter().take(LAYERS_SHOWN).map(text).collect();
+    let more = all.len().saturating_sub(LAYERS_SHOWN);
+    let more = if 0 < more { format!(", and {more} more (--format json lists all)") } else { String::new() };
+    shown.join(", ") + &more
 }
 
 /// What occurs how often, the most frequent first.
