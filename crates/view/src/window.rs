@@ -39,7 +39,8 @@ impl Display {
         set_hook(hook);
         let reason = match opened {
             Ok(Ok(events)) => return Ok(Self { events }),
-            Ok(Err(error)) => error.to_string(),
+            // What winit says before the last colon is where in its source it was said.
+            Ok(Err(error)) => error.to_string().rsplit(": ").next().unwrap_or_default().to_owned(),
             Err(panic) => {
                 let said = panic.downcast_ref::<String>().cloned();
                 let said = said.or_else(|| panic.downcast_ref::<&str>().map(|said| (*said).to_owned()));

@@ -5,7 +5,8 @@ use crate::view::Side;
 use crate::words::{line, value_name};
 use ::view::egui::{
     CentralPanel, Color32, ColorImage, ComboBox, Context, Frame, Grid, Key, PointerButton, Pos2, Rect, Response,
-    RichText, ScrollArea, Sense, SidePanel, Stroke, TextureHandle, TextureOptions, Ui, Vec2, ViewportCommand,
+    RichText, ScrollArea, Sense, SidePanel, Stroke, TextureHandle, TextureOptions, TopBottomPanel, Ui, Vec2,
+    ViewportCommand,
 };
 use anyhow::Result;
 use clap::ValueEnum;
@@ -22,6 +23,9 @@ const POINTS_A_STEP: f32 = 40.0;
 
 /// Height of the legend, pixels.
 const LEGEND_HEIGHT: usize = 180;
+
+/// The most that is told of what was saved, points.
+const MESSAGE_HEIGHT: f32 = 90.0;
 
 /// Half the length of the mark on a picked pixel, and half the side of a control point's, points.
 const MARK_SIZE: f32 = 7.0;
@@ -73,6 +77,7 @@ impl<'d> Window<'d> {
     pub fn show(&mut self, context: &Context) {
         self.keys(context);
         SidePanel::right("panel").exact_width(PANEL_WIDTH).resizable(false).show(context, |ui| {
+            TopBottomPanel::bottom("saved").show_inside(ui, |ui| self.saved(ui));
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.panel(ui));
         });
         CentralPanel::default().frame(Frame::NONE).show(context, |ui| self.view(ui));
@@ -229,10 +234,15 @@ impl<'d> Window<'d> {
         ui.label(RichText::new("Shift or right button: move. Wheel: zoom. Click: read a pixel.").small());
         ui.separator();
         self.reading(ui);
+    }
+
+    fn saved(&mut self, ui: &mut Ui) {
         if ui.button("save picture and command (S)").clicked() {
             self.save();
         }
-        ui.label(RichText::new(&self.message).monospace().small());
+        ScrollArea::vertical().max_height(MESSAGE_HEIGHT).show(ui, |ui| {
+            ui.label(RichText::new(&self.message).small());
+        });
     }
 
     fn legend(&self, ui: &mut Ui) {
@@ -275,7 +285,6 @@ impl<'d> Window<'d> {
         for (_, verdict) in reading.lines().iter().filter(|(name, _)| *name == "verdict") {
             ui.label(format!("against a ray: {verdict}"));
         }
-        ui.separator();
     }
 
     fn save(&mut self) {

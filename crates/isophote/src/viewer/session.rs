@@ -1,6 +1,6 @@
 //! What a window shows, and what is done to it: no window is needed for that.
 
-use super::ViewerArgs;
+use super::args::ViewerArgs;
 use super::drawer::{Drawer, Scene};
 use super::reading::Reading;
 use crate::compare::DrawingArgs;
