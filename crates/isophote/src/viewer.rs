@@ -10,6 +10,7 @@ use crate::output;
 use crate::with::With;
 use ::view::{Display, ViewError};
 use anyhow::{Context, Result, anyhow};
+use scene::escaped;
 
 pub use args::ViewerArgs;
 pub use panel::{PANEL_WIDTH, Window};
@@ -33,14 +34,14 @@ pub fn run(args: &ViewerArgs) -> Result<()> {
     let device = match args.with {
         With::Gpu => Some(
             gpu::Device::open(args.drawing.adapter.as_deref())
-                .context("`--with raster` draws on the processor; the GPU gives no answer")?,
+                .context("the GPU gives no answer (`--with raster` draws without one)")?,
         ),
         With::Raster | With::Raycast => None,
     };
     let session = Session::new(args, device.as_ref())?;
-    let title = format!("{} - isophote", session.model().name());
-    let size = [session.viewport().width() + PANEL_WIDTH as usize, session.viewport().height()];
+    let title = format!("{} - isophote", escaped(session.model().name()));
+    let size = [session.viewport().width(), session.viewport().height()];
     let mut window = Window::new(session);
-    display.show(&title, size, &mut |context| window.show(context))?;
+    display.show(&title, size, PANEL_WIDTH, &mut |context| window.show(context))?;
     Ok(())
 }

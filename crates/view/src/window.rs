@@ -51,15 +51,23 @@ impl Display {
         Err(ViewError::NoDisplay { reason })
     }
 
-    /// Opens a window of so many pixels, shows frames of `content` in it, and returns when it is closed. Between frames it sleeps:
-    /// until something happens, or until egui is asked for another one ([`Context::request_repaint_after`]).
+    /// Opens a window of `size` pixels and a strip beside them of `beside` points, shows frames of `content` in it, and returns when it
+    /// is closed. Between frames it sleeps: until something happens, or until egui is asked for another one
+    /// ([`Context::request_repaint_after`]).
     ///
     /// # Errors
     /// [`ViewError::Refused`].
-    pub fn show(self, title: &str, size: [usize; 2], content: &mut dyn FnMut(&Context)) -> Result<(), ViewError> {
+    pub fn show(
+        self,
+        title: &str,
+        size: [usize; 2],
+        beside: f32,
+        content: &mut dyn FnMut(&Context),
+    ) -> Result<(), ViewError> {
         let mut program = Program {
             title,
-            size: PhysicalSize::new(size[0] as u32, size[1] as u32),
+            size,
+            beside,
             content,
             screen: Screen::default(),
             input: Input::default(),
@@ -82,9 +90,15 @@ struct Open {
 }
 
 impl Open {
-    fn new(events: &ActiveEventLoop, title: &str, size: PhysicalSize<u32>) -> Result<Self, ViewError> {
-        let attributes = Window::default_attributes().with_title(title).with_inner_size(size);
+    fn new(events: &ActiveEventLoop, title: &str, [width, height]: [usize; 2], beside: f32) -> Result<Self, ViewError> {
+        let size =
+            |scale: f64| PhysicalSize::new(width as u32 + (f64::from(beside) * scale).round() as u32, height as u32);
+        let attributes = Window::default_attributes().with_title(title).with_inner_size(size(1.0));
         let window = events.create_window(attributes).map_err(|error| refused("a window", error))?;
+        // Only a window knows how many pixels a point of it has.
+        if window.scale_factor() != 1.0 {
+            let _ = window.request_inner_size(size(window.scale_factor()));
+        }
         let window = Rc::new(window);
         let context = softbuffer::Context::new(window.clone()).map_err(|error| refused("pixels", error))?;
         let surface = softbuffer::Surface::new(&context, window.clone()).map_err(|error| refused("pixels", error))?;
@@ -96,7 +110,8 @@ impl Open {
 /// A window, and what is shown in it.
 struct Program<'c> {
     title: &'c str,
-    size: PhysicalSize<u32>,
+    size: [usize; 2],
+    beside: f32,
     content: &'c mut dyn FnMut(&Context),
     screen: Screen,
     input: Input,
@@ -135,7 +150,7 @@ impl Program<'_> {
 
 impl ApplicationHandler for Program<'_> {
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        match Open::new(events, self.title, self.size) {
+        match Open::new(events, self.title, self.size, self.beside) {
             Ok(open) => self.open = Some(open),
             Err(failure) => self.fail(events, failure),
         }

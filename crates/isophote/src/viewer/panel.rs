@@ -22,7 +22,10 @@ pub const PANEL_WIDTH: f32 = 300.0;
 const POINTS_A_STEP: f32 = 40.0;
 
 /// Height of the legend, pixels.
-const LEGEND_HEIGHT: usize = 180;
+const LEGEND_HEIGHT: usize = 140;
+
+/// Height of the letters of what is read, points: three coordinates stand side by side.
+const NUMBER_SIZE: f32 = 11.0;
 
 /// The most that is told of what was saved, points.
 const MESSAGE_HEIGHT: f32 = 90.0;
@@ -278,7 +281,7 @@ impl<'d> Window<'d> {
         Grid::new("reading").num_columns(2).show(ui, |ui| {
             for (name, value) in reading.lines().iter().filter(|(name, _)| *name != "verdict") {
                 ui.label(*name);
-                ui.monospace(value);
+                ui.label(RichText::new(value).monospace().size(NUMBER_SIZE));
                 ui.end_row();
             }
         });

@@ -7,6 +7,12 @@ use glam::DVec3;
 use nurbs::Normal;
 use std::sync::Arc;
 
+/// Digits of a point's coordinates: what f32 has, and one more.
+const DIGITS: usize = 8;
+
+/// Smaller points are written with an exponent, model units.
+const SMALL: f64 = 1e-3;
+
 /// A pixel that was picked, and what is said of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
@@ -56,15 +62,40 @@ impl Reading {
     }
 }
 
-/// A line a component.
+/// The components, side by side, to as many places as the greatest has eight digits with.
 fn vector(v: DVec3) -> String {
-    v.to_array().map(|x| format!("{x:.9}")).join("\n")
+    let size = v.abs().max_element();
+    let text = |x: f64| match size {
+        0.0 => "0".to_owned(),
+        size if size < SMALL => format!("{x:.*e}", DIGITS - 1),
+        size => format!("{x:.*}", (DIGITS as f64 - 1.0 - size.log10().floor()).max(0.0) as usize),
+    };
+    v.to_array().map(text).join(" ")
 }
 
 fn normal(normal: &Normal) -> String {
     match normal {
         Normal::Regular(n) => vector(*n),
-        Normal::Limit(n) => format!("{}\n(a limit)", vector(*n)),
+        Normal::Limit(n) => format!("{} (a limit)", vector(*n)),
         Normal::Undefined => "undefined".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_have_eight_digits_whatever_the_unit() {
+        let cases = [
+            (DVec3::new(1.0, -0.25, 1.0 / 3.0), "1.0000000 -0.2500000 0.3333333"),
+            (DVec3::new(1234.5, 0.0, -2.0), "1234.5000 0.0000 -2.0000"),
+            (DVec3::new(0.0, 3e-9, 1e9), "0 0 1000000000"),
+            (DVec3::new(1e-7, 0.0, -2e-9), "1.0000000e-7 0.0000000e0 -2.0000000e-9"),
+            (DVec3::ZERO, "0 0 0"),
+        ];
+        for (v, text) in cases {
+            assert_eq!(vector(v), text);
+        }
     }
 }

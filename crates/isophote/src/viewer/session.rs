@@ -90,7 +90,9 @@ pub struct Session<'d> {
     shown: Shown,
     picture: Option<Picture>,
     /// What the picture at rest is made of.
-    at_rest: Option<(GBuffer, Painter)>,
+    at_rest: Option<GBuffer>,
+    /// How the picture was painted that was last made of a G-buffer.
+    painter: Option<Painter>,
     coarseness: usize,
     frames: usize,
     took: Duration,
@@ -124,6 +126,7 @@ impl<'d> Session<'d> {
             shown: Shown::Awaited,
             picture: None,
             at_rest: None,
+            painter: None,
             coarseness: 1,
             frames: 0,
             took: Duration::ZERO,
@@ -325,7 +328,7 @@ impl<'d> Session<'d> {
             return Ok(());
         }
         self.draw_in_full()?;
-        let Some((buffer, _)) = &self.at_rest else { return Ok(()) };
+        let Some(buffer) = &self.at_rest else { return Ok(()) };
         let model = &self.document.model;
         let stage = self.drawer.stage(scene(model, self.camera, self.viewport, &self.drawing));
         let judge = |stage: crate::stage::Stage| stage.against_ray(&Caster::new(model), buffer, at);
@@ -365,7 +368,7 @@ impl<'d> Session<'d> {
     pub fn save(&mut self) -> Result<Saved> {
         self.draw_in_full()?;
         let picture = free(&self.out);
-        let (Some((buffer, painter)), Some(shown)) = (&self.at_rest, &self.picture) else {
+        let (Some(buffer), Some(painter), Some(shown)) = (&self.at_rest, &self.painter, &self.picture) else {
             anyhow::bail!("there is no picture yet");
         };
         let seen: Vec<u32> = buffer.pixels().map(|hit| u32::from(hit.is_some())).collect();
@@ -402,9 +405,9 @@ impl<'d> Session<'d> {
         Ok(start.chain(options).chain(end).flatten().collect())
     }
 
-    /// How the picture at rest was painted.
+    /// How the picture was painted that was last made of a G-buffer: while something moves, its legend may be of before.
     pub fn painter(&self) -> Option<&Painter> {
-        self.at_rest.as_ref().map(|(_, painter)| painter)
+        self.painter.as_ref()
     }
 
     /// The picture is not what is to be shown any more, and what was read of it is elsewhere now.
@@ -432,7 +435,7 @@ impl<'d> Session<'d> {
             self.drawer.gbuffer(scene(&self.document.model, self.camera, self.viewport, &self.drawing), false)?;
         let painter = self.look.painter(&buffer, &self.length());
         self.picture = Some(painter.painted(&buffer, &self.document.model, &self.camera)?);
-        (self.at_rest, self.shown) = (Some((buffer, painter)), Shown::AtRest);
+        (self.at_rest, self.painter, self.shown) = (Some(buffer), Some(painter), Shown::AtRest);
         (self.took, self.frames) = (start.elapsed(), self.frames + 1);
         Ok(())
     }
@@ -450,7 +453,7 @@ impl<'d> Session<'d> {
             Some(picture) => picture,
             None => {
                 let buffer = self.drawer.gbuffer(scene, true)?;
-                let painter = self.look.painter(&buffer, &self.length());
+                let painter = self.painter.insert(self.look.painter(&buffer, &self.length()));
                 painter.painted(&buffer, &self.document.model, &self.camera)?
             }
         });
