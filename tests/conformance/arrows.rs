@@ -21,6 +21,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("compare", &["nurbs", "scene", "gbuffer", "pipeline"]),
     ("continuity", &["nurbs", "scene"]),
     ("lines", &["nurbs", "scene"]),
+    ("view", &["nurbs", "scene", "gbuffer"]),
     ("techniques", &["lanes", "nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
 ];
 

@@ -15,7 +15,7 @@ use crate::{Device, GpuError};
 use gbuffer::{GBuffer, Meta, Picture, ShadeUniform};
 use pipeline::fragment::Fragment;
 use pipeline::wgsl::{self, Variant};
-use pipeline::{PackedScene, View};
+use pipeline::{PackedFrame, PackedScene, View};
 use scene::{Camera, Viewport};
 use std::collections::VecDeque;
 use std::collections::hash_map::{Entry, HashMap};
@@ -60,7 +60,9 @@ impl Timing {
 /// A scene on a device, ready to be drawn from any camera.
 pub struct Renderer<'a> {
     device: &'a Device,
-    scene: &'a PackedScene,
+    /// Of each face; kept here, so that scenes may come and go while this draws their edits.
+    frames: Vec<PackedFrame>,
+    has_edges: bool,
     curvature: bool,
     buffers: SceneBuffers,
     modules: Modules,
@@ -76,7 +78,7 @@ impl<'a> Renderer<'a> {
     /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
     pub fn new(
         device: &'a Device,
-        scene: &'a PackedScene,
+        scene: &PackedScene,
         drawn: &dyn Drawable,
         options: RendererOptions<'_>,
     ) -> Result<Self, GpuError> {
@@ -93,7 +95,8 @@ impl<'a> Renderer<'a> {
                 vacant.insert(device.module(program, source)?);
             }
         }
-        Ok(Self { device, scene, curvature, buffers, modules, technique: drawn.technique(), pass })
+        let (frames, has_edges) = (scene.frames().to_vec(), scene.has_edges());
+        Ok(Self { device, frames, has_edges, curvature, buffers, modules, technique: drawn.technique(), pass })
     }
 
     /// Bytes on the device that the scene takes, and that its technique holds beside it; pictures come on top.
@@ -120,11 +123,11 @@ impl<'a> Renderer<'a> {
     pub fn edit(
         &mut self,
         before: (&PackedScene, &dyn Drawable),
-        after: (&'a PackedScene, &dyn Drawable),
+        after: (&PackedScene, &dyn Drawable),
     ) -> Result<u64, GpuError> {
         let written = self.buffers.write_changes(self.device, before.0, after.0)?;
         let drawn = self.pass.write_changes(self.device, before.1, after.1)?;
-        self.scene = after.0;
+        self.frames = after.0.frames().to_vec();
         Ok(written + drawn)
     }
 
@@ -154,8 +157,8 @@ impl<'a> Renderer<'a> {
         };
         let (targets, frame) = self.draw(views, viewport, Output::GBuffer)?;
         let mut rows = Rows::new(self.device, targets.colours.iter().collect(), viewport)?;
-        let (curvature, edges) = (self.curvature, self.scene.has_edges());
-        let seen = Seen { frames: self.scene.frames(), curvature, edges, camera, viewport };
+        let (curvature, edges) = (self.curvature, self.has_edges);
+        let seen = Seen { frames: &self.frames, curvature, edges, camera, viewport };
         let buffer = seen.gbuffer(meta, |y| self.row(&mut rows, viewport, y))?;
         let Some((marks, offset)) = frame.undecided() else { return Ok(buffer) };
         let mut words = vec![0u32; hits::marks(viewport) / 4];
@@ -190,7 +193,7 @@ impl<'a> Renderer<'a> {
     /// The fragments of row `y` of the four targets.
     fn row(&self, rows: &mut Rows<'_>, viewport: Viewport, y: usize) -> Result<Vec<Option<Fragment>>, GpuError> {
         let targets = rows.row(y)?.try_into().expect("a G-buffer has four targets");
-        hits::fragments(targets, y, viewport, (self.scene.faces().len(), self.scene.has_edges()))
+        hits::fragments(targets, y, viewport, (self.frames.len(), self.has_edges))
     }
 
     /// Whether a frame had room for all; otherwise the next one has more.

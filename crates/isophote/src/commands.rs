@@ -1,7 +1,8 @@
 //! The commands of `isophote`; `cargo xtask` offers all of them, too.
 
 use crate::{
-    adapters, capsule, compare, completions, conform, continuity, convert, eval, info, man, pixel, render, scene, study,
+    adapters, capsule, compare, completions, conform, continuity, convert, eval, info, man, pixel, render, scene,
+    study, viewer,
 };
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -24,6 +25,7 @@ pub enum Command {
     Conform(conform::ConformArgs),
     Continuity(continuity::ContinuityArgs),
     Render(render::RenderArgs),
+    View(viewer::ViewerArgs),
     Capsule(capsule::CapsuleArgs),
     Pixel(pixel::PixelArgs),
     Eval(eval::EvalArgs),
@@ -48,6 +50,7 @@ impl Command {
             Self::Conform(args) => conform::run(args),
             Self::Continuity(args) => continuity::run(args),
             Self::Render(args) => done(render::run(args)),
+            Self::View(args) => done(viewer::run(args)),
             Self::Capsule(args) => done(capsule::run(args)),
             Self::Pixel(args) => pixel::run(args),
             Self::Eval(args) => done(eval::run(args)),

@@ -39,3 +39,6 @@ pub mod technique;
 pub mod terminal;
 pub mod text;
 pub mod view;
+pub mod viewer;
+pub mod with;
+pub mod words;

@@ -1,5 +1,6 @@
 //! How fine grids may be, and how many zones are drawn at once, as the command line asks for it.
 
+use crate::words::{self, Words};
 use clap::{Args, value_parser};
 use techniques::{DEFAULT_ZONES, GREATEST_LEVEL, Limits, ZONE_WORDS};
 
@@ -19,6 +20,12 @@ pub struct LimitArgs {
 }
 
 impl LimitArgs {
+    /// As they stand on a command line.
+    pub fn words(self) -> Vec<Words> {
+        let own = [words::option("--level", self.level), words::option("--emit", self.emit)];
+        own.into_iter().chain(self.batch.map(|batch| words::option("--batch", batch))).collect()
+    }
+
     /// The same in the techniques' own words.
     pub fn limits(self) -> Limits {
         Limits { level: self.level, zones: self.emit / ZONE_WORDS, batch: self.batch }

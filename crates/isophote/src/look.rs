@@ -1,4 +1,9 @@
 //! What a picture shows, and how: shading, maps of numbers, highlight lines, and what is behind the model.
+//!
+//! `panel` has the same options as the controls of a window, `words` says which command line asks for them.
+
+mod panel;
+mod words;
 
 use crate::number;
 use anyhow::{Result, bail};
@@ -142,9 +147,8 @@ impl LookArgs {
     /// # Errors
     /// Which option, and what it goes with.
     pub fn check(&self) -> Result<()> {
-        let is = |looks: &[Look]| looks.contains(&self.shade);
-        let striped = is(&[Look::Zebra, Look::Highlight]);
-        let lit = is(&[Look::Phong, Look::Isophotes, Look::Highlight]);
+        let is = |looks: &[Look]| self.goes(looks);
+        let (striped, lit) = (self.is_striped(), self.is_lit());
         let mapped = self.quantity().is_some();
         for (given, goes, option, with) in [
             (self.bands.is_some(), is(&[Look::Isophotes]), "--bands", "isophotes"),
@@ -165,6 +169,48 @@ impl LookArgs {
             }
         }
         self.shading().map(|_| ())
+    }
+
+    /// The shading that a GPU has a program for; `None` where the picture is made of a G-buffer.
+    pub fn shaded(&self) -> Option<Shading> {
+        let is_plain = self.quantity().is_none() && self.shade != Look::Highlight;
+        let has_ground = matches!(self.background, Some(Behind::Colour(_)));
+        self.shading().ok().filter(|_| is_plain && !has_ground)
+    }
+
+    /// Whether a light can be given.
+    pub fn is_lit(&self) -> bool {
+        self.goes(&[Look::Phong, Look::Isophotes, Look::Highlight])
+    }
+
+    /// The same in another light; `light` is not nought.
+    pub fn with_light(self, light: DVec3) -> Self {
+        Self { light: Some(light.to_array().to_vec()), ..self }
+    }
+
+    /// The same options for something else to show; those that say nothing of it are gone.
+    pub fn showing(self, shade: Look) -> Self {
+        let look = Self { shade, ..self };
+        let mapped = look.quantity().is_some();
+        Self {
+            bands: look.bands.filter(|_| look.goes(&[Look::Isophotes])),
+            stripes: look.stripes.filter(|_| look.is_striped()),
+            stripe_direction: look.stripe_direction.filter(|_| look.is_striped()),
+            light: look.light.clone().filter(|_| look.is_lit()),
+            pull: look.pull.clone().filter(|_| look.goes(&[Look::Draft])),
+            // Of another quantity it would be a range of other numbers.
+            range: None,
+            legend: look.legend && (mapped || look.goes(&[Look::Isophotes])),
+            ..look
+        }
+    }
+
+    fn goes(&self, looks: &[Look]) -> bool {
+        looks.contains(&self.shade)
+    }
+
+    fn is_striped(&self) -> bool {
+        self.goes(&[Look::Zebra, Look::Highlight])
     }
 
     /// How a view is painted of which `first` is seen; `length` names the model's unit.
@@ -270,14 +316,27 @@ impl Painter {
         })
     }
 
+    /// The legend of a picture of that height, where one is asked for.
+    pub fn legend(&self, height: usize) -> Option<Picture> {
+        match &self.kind {
+            _ if !self.legend => None,
+            Kind::Shaded(shading) => shading.legend(height),
+            Kind::Plotted(quantity, range) => Some(quantity.legend(*range, &self.length, height)),
+            Kind::Highlighted(_) => None,
+        }
+    }
+
+    /// The range of a map of numbers.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        match &self.kind {
+            Kind::Plotted(_, range) => Some(*range),
+            Kind::Shaded(_) | Kind::Highlighted(_) => None,
+        }
+    }
+
     /// A picture with its legend to the right, where one is asked for.
     pub fn with_legend(&self, picture: &Picture) -> Picture {
-        let legend = match &self.kind {
-            _ if !self.legend => None,
-            Kind::Shaded(shading) => shading.legend(picture.height()),
-            Kind::Plotted(quantity, range) => Some(quantity.legend(*range, &self.length, picture.height())),
-            Kind::Highlighted(_) => None,
-        };
+        let legend = self.legend(picture.height());
         Picture::beside(&[picture].into_iter().chain(&legend).collect::<Vec<_>>())
     }
 

@@ -2,6 +2,7 @@
 
 use crate::number;
 use crate::stage::Stage;
+use crate::words::{self, Words};
 use clap::{Args, ValueEnum};
 use pipeline::mask::{MaskFill, MaskOptions, MaskQuality, Trimming};
 use serde::Serialize;
@@ -47,6 +48,16 @@ impl TrimArgs {
     /// How far off the masks of saved G-buffers may be, pixels; `None` where their trims must be exact.
     pub fn masks_px(&self) -> Option<f64> {
         (self.trim == Some(TrimName::Texture)).then_some(self.mask_px)
+    }
+
+    /// As they stand on a command line.
+    pub fn words(&self) -> Vec<Words> {
+        let own = [
+            words::numbers("--mask-px", &[self.mask_px]),
+            words::option("--mask-memory", self.mask_memory),
+            words::named("--mask-fill", &self.mask_fill),
+        ];
+        self.trim.iter().map(|trim| words::named("--trim", trim)).chain(own).collect()
     }
 
     /// The same in the renderers' own words.

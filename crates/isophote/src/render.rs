@@ -12,6 +12,7 @@ use crate::say;
 use crate::stage::{Plan, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
+use crate::with::With;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use continuity::{Class, Settings, report};
@@ -76,16 +77,6 @@ pub struct RenderArgs {
 enum OverlayKind {
     /// What `continuity` says of the edges
     Continuity,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum With {
-    /// The CPU rasterizer, f32
-    Raster,
-    /// The GPU, f32
-    Gpu,
-    /// The ray caster, f64
-    Raycast,
 }
 
 /// Runs the command.

@@ -2,6 +2,8 @@
 
 use crate::number;
 use crate::text::nearest;
+use crate::words::{self, Words};
+use ::view::orbit::has_usual_near;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use formats::Document;
@@ -85,7 +87,7 @@ pub enum Side {
 
 impl Side {
     /// From the model to the eye.
-    fn direction(self) -> DVec3 {
+    pub fn direction(self) -> DVec3 {
         match self {
             Self::Front => DVec3::NEG_Y,
             Self::Back => DVec3::Y,
@@ -120,6 +122,11 @@ fn zoomed(projection: Projection, times: f64) -> Projection {
 const PRINTED_NOTES: usize = 100;
 
 impl ModelArgs {
+    /// As they stand on a command line.
+    pub fn words(&self) -> Vec<Words> {
+        [vec![self.model.clone()]].into_iter().chain(words::flag("--strict", self.strict)).collect()
+    }
+
     /// The model of that name or file, whatever is left out of it.
     pub fn named(model: &str) -> Self {
         Self { model: model.to_owned(), strict: false }
@@ -187,6 +194,49 @@ impl ModelArgs {
 }
 
 impl ViewArgs {
+    /// Those that make exactly this camera, whatever the model.
+    pub fn of(camera: &Camera, viewport: Viewport) -> Self {
+        let vector = |v: DVec3| Some(v.to_array().to_vec());
+        let (fov, ortho) = match camera.projection() {
+            Projection::Perspective { fov_deg } => (Some(fov_deg), None),
+            Projection::Orthographic { height } => (None, Some(height)),
+        };
+        let shift = camera.lens_shift();
+        Self {
+            view: None,
+            azimuth: None,
+            elevation: None,
+            zoom: None,
+            eye: vector(camera.eye()),
+            target: vector(camera.target()),
+            up: vector(camera.up()),
+            fov,
+            ortho,
+            near: (!has_usual_near(camera)).then(|| camera.near()),
+            lens_shift: (shift != DVec2::ZERO).then(|| shift.to_array().to_vec()),
+            size: Some(format!("{}x{}", viewport.width(), viewport.height())),
+        }
+    }
+
+    /// As they stand on a command line.
+    pub fn words(&self) -> Vec<Words> {
+        let vectors =
+            [("--eye", &self.eye), ("--target", &self.target), ("--up", &self.up), ("--lens-shift", &self.lens_shift)];
+        let numbers = [
+            ("--azimuth", self.azimuth),
+            ("--elevation", self.elevation),
+            ("--zoom", self.zoom),
+            ("--fov", self.fov),
+            ("--ortho", self.ortho),
+            ("--near", self.near),
+        ];
+        let side = self.view.iter().map(|side| words::named("--view", side));
+        let vectors = vectors.into_iter().filter_map(|(name, v)| Some(words::numbers(name, v.as_ref()?)));
+        let numbers = numbers.into_iter().filter_map(|(name, x)| Some(words::numbers(name, &[x?])));
+        let size = self.size.iter().map(|size| words::option("--size", size));
+        side.chain(vectors).chain(numbers).chain(size).collect()
+    }
+
     /// The first of these options that was given.
     pub fn given(&self) -> Option<&'static str> {
         let vectors =

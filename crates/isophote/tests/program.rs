@@ -4,11 +4,12 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 /// The users' commands.
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "compare",
     "conform",
     "continuity",
     "render",
+    "view",
     "pixel",
     "eval",
     "info",

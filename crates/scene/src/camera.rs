@@ -230,6 +230,11 @@ impl Camera {
         self.target
     }
 
+    /// What points upward in the picture, as it was given: of any length.
+    pub fn up(&self) -> DVec3 {
+        self.up
+    }
+
     /// Unit view direction.
     pub fn forward(&self) -> DVec3 {
         self.forward

@@ -7,6 +7,7 @@ use crate::limits::LimitArgs;
 use crate::masks::TrimArgs;
 use crate::stage::{Path, Plan};
 use crate::view::ViewArgs;
+use crate::words::{self, Words};
 use crate::{number, technique};
 use clap::{Args, ValueEnum};
 use compare::UNBOUNDED_SHARE;
@@ -169,6 +170,30 @@ impl Shade {
 }
 
 impl DrawingArgs {
+    /// Where the surface is evaluated.
+    pub fn technique(&self) -> &'static dyn Technique {
+        self.technique
+    }
+
+    /// The same with another technique.
+    pub fn with_technique(self, technique: &'static dyn Technique) -> Self {
+        Self { technique, ..self }
+    }
+
+    /// As they stand on a command line.
+    pub fn words(&self) -> Vec<Words> {
+        let own = [
+            words::option("--technique", self.technique.name()),
+            words::named("--path", &self.path),
+            words::named("--scheme", &self.scheme),
+            words::numbers("--chord", &[self.chord]),
+            words::named("--normals", &self.normals),
+            words::numbers("--unbounded", &[self.unbounded]),
+        ];
+        let adapter = self.adapter.iter().map(|name| words::option("--adapter", name));
+        own.into_iter().chain(self.trim.words()).chain(self.limits.words()).chain(adapter).collect()
+    }
+
     /// The same in the renderers' own words.
     pub fn plan(&self) -> Plan {
         let scheme = match self.scheme {

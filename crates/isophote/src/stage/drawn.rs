@@ -1,8 +1,8 @@
 //! A model, seen: everything the three renderers need, made once, and what they return.
 
-use super::plan::{Path, Plan};
+use super::plan::Plan;
 use crate::terminal;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use compare::{Interpolation, StandIn, VertexNormals};
 use gbuffer::{GBuffer, Meta, Picture, Shading, Trims};
 use pipeline::mask::{MaskQuality, Trimming};
@@ -11,7 +11,7 @@ use raster::{Drawing, Rasterizer};
 use raycast::Caster;
 use scene::{Camera, Model, SamplePattern, Viewport};
 use std::sync::Arc;
-use techniques::{Prepared, Setting};
+use techniques::Prepared;
 
 /// A mask that is coarser by a factor has no fewer texels than one asked for with an error larger by it and by this.
 const COARSER_ROUNDING: f64 = 1.0 + 1e-9;
@@ -76,42 +76,29 @@ impl<'m> Stage<'m> {
     /// Where the model cannot be packed or the chord error asks for too many triangles.
     pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, plan: Plan) -> Result<Self> {
         let scene = Arc::new(plan.packed(model, &camera, viewport)?);
-        let Plan { chord_px, limits, .. } = plan;
-        let setting = Setting { model, scene: &scene, camera: &camera, viewport, chord_px, limits };
-        let prepared = plan.technique.prepare(&setting)?;
-        if plan.path != Path::Fragment && prepared.mesh().is_none() {
-            bail!("technique {} draws no triangles, so there are none for --path compute", plan.technique.name())
-        }
-        if plan.path == Path::Strict && (scene.masks().is_some() || plan.vertex_normals) {
-            bail!("--path strict covers trims by curves and the surface's own normals: no masks and no vertex normals");
-        }
-        if plan.vertex_normals && prepared.cells().is_empty() {
-            bail!(
-                "technique {} draws no triangles with corners on the surface, so it has no vertex normals",
-                plan.technique.name()
-            )
-        }
+        let prepared = plan.prepared(model, &scene, &camera, viewport)?;
         if let Some(kept) = prepared.built_px().filter(|kept| *kept > plan.chord_px) {
             let (asked, triangles) = (plan.chord_px, prepared.triangles());
             terminal::note(format_args!(
                 "note: a chord error of {asked} px takes more than it may from here; {triangles} triangles keep to {kept:.3} px"
             ));
         }
+        Ok(Self::of(model, camera, viewport, plan, scene, prepared))
+    }
+
+    /// A stage of what was packed and prepared before, by this plan.
+    pub fn of(
+        model: &'m Model,
+        camera: Camera,
+        viewport: Viewport,
+        plan: Plan,
+        scene: Arc<PackedScene>,
+        prepared: Arc<dyn Prepared>,
+    ) -> Self {
         let views = scene.views(model, &camera, viewport);
         let interpolation = Interpolation::of(model);
         let vertex_normals = plan.vertex_normals.then(|| VertexNormals::new(model, prepared.cells()));
-        Ok(Self {
-            model,
-            camera,
-            viewport,
-            plan,
-            scene,
-            prepared,
-            views,
-            interpolation,
-            vertex_normals,
-            original: None,
-        })
+        Self { model, camera, viewport, plan, scene, prepared, views, interpolation, vertex_normals, original: None }
     }
 
     /// The same stage, judged as one that draws its model in the place of `model`.
@@ -201,7 +188,7 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the adapter refuses.
     pub fn renderer<'a>(
-        &'a self,
+        &self,
         device: &'a gpu::Device,
         overrides: gpu::Overrides<'_>,
     ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
@@ -214,7 +201,7 @@ impl<'m> Stage<'m> {
     /// # Errors
     /// Where the adapter refuses.
     pub fn renderer_of<'a>(
-        &'a self,
+        &self,
         device: &'a gpu::Device,
         options: gpu::RendererOptions<'_>,
     ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {

@@ -99,6 +99,20 @@ impl Stage<'_> {
         pairs.into_iter().map(verdict).collect()
     }
 
+    /// What is said of pixel `at` of a rasterized buffer against the one ray that is cast there.
+    ///
+    /// # Errors
+    /// Where the buffer is not of this stage.
+    pub fn against_ray(&self, caster: &Caster, candidate: &GBuffer, at: [usize; 2]) -> Result<PixelVerdict> {
+        let [x, y] = at;
+        let cast = caster.first(&self.camera.ray(self.viewport, x as f64 + 0.5, y as f64 + 0.5));
+        let row = |row| (0..self.viewport.width()).map(|column| cast.hit.filter(|_| [column, row] == at)).collect();
+        let reference = GBuffer::from_rows(self.viewport, self.meta("raycast"), (0..self.viewport.height()).map(row))
+            .with_undecided(cast.undecided.map(|_| (x, y)));
+        let rays = self.rays(caster);
+        Ok(self.judge(true).pixel(&reference, &rays, candidate, &self.deviation(true), true, at)?)
+    }
+
     fn rays<'a>(&self, caster: &'a Caster<'a>) -> Rays<'a> {
         Rays { caster, camera: self.camera, viewport: self.viewport }
     }

@@ -7,7 +7,7 @@ use pipeline::mask::{MaskPlan, Masks, Trimming};
 use pipeline::{PackedScene, Scheme};
 use scene::{Camera, Model, Viewport};
 use std::sync::Arc;
-use techniques::{ByCompute, DEFAULT_CHORD_PX, Limits, Prepared, Technique};
+use techniques::{ByCompute, DEFAULT_CHORD_PX, Limits, Prepared, Setting, Technique};
 
 /// Who finds the triangles that the GPU shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -64,6 +64,14 @@ impl Default for Plan {
 }
 
 impl Path {
+    /// What kernels draw of what is prepared of a scene; `None` where no kernels are asked for, or it has no triangles.
+    pub fn by_compute(self, device: &gpu::Device, prepared: &Arc<dyn Prepared>) -> Option<ByCompute> {
+        self.atomics(device).and_then(|atomics| match self {
+            Path::Strict => ByCompute::strict(prepared.clone()),
+            _ => ByCompute::new(prepared.clone(), atomics),
+        })
+    }
+
     /// What the kernels use; `None` where no kernels are asked for.
     fn atomics(self, device: &gpu::Device) -> Option<gpu::Atomics> {
         match self {
@@ -80,15 +88,11 @@ impl Path {
     pub fn renderer<'a>(
         self,
         device: &'a gpu::Device,
-        scene: &'a PackedScene,
+        scene: &PackedScene,
         prepared: &Arc<dyn Prepared>,
         options: gpu::RendererOptions<'_>,
     ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
-        let by_compute = |atomics| match self {
-            Path::Strict => ByCompute::strict(prepared.clone()),
-            _ => ByCompute::new(prepared.clone(), atomics),
-        };
-        match self.atomics(device).and_then(by_compute) {
+        match self.by_compute(device, prepared) {
             Some(drawn) => gpu::Renderer::new(device, scene, &drawn, options),
             None => gpu::Renderer::new(device, scene, &**prepared, options),
         }
@@ -96,6 +100,44 @@ impl Path {
 }
 
 impl Plan {
+    /// What the technique draws of a model that is packed, as `camera` sees it.
+    ///
+    /// # Errors
+    /// Where the technique cannot draw it so, or the chord error asks for too many triangles.
+    pub fn prepared(
+        &self,
+        model: &Model,
+        scene: &PackedScene,
+        camera: &Camera,
+        viewport: Viewport,
+    ) -> Result<Arc<dyn Prepared>> {
+        let prepared = self.technique.prepare(&self.setting(model, scene, camera, viewport))?;
+        if self.path != Path::Fragment && prepared.mesh().is_none() {
+            bail!("technique {} draws no triangles, so there are none for --path compute", self.technique.name())
+        }
+        if self.path == Path::Strict && (scene.masks().is_some() || self.vertex_normals) {
+            bail!("--path strict covers trims by curves and the surface's own normals: no masks and no vertex normals");
+        }
+        if self.vertex_normals && prepared.cells().is_empty() {
+            bail!(
+                "technique {} draws no triangles with corners on the surface, so it has no vertex normals",
+                self.technique.name()
+            )
+        }
+        Ok(prepared)
+    }
+
+    /// What the technique is asked to prepare.
+    pub fn setting<'a>(
+        &self,
+        model: &'a Model,
+        scene: &'a PackedScene,
+        camera: &'a Camera,
+        viewport: Viewport,
+    ) -> Setting<'a> {
+        Setting { model, scene, camera, viewport, chord_px: self.chord_px, limits: self.limits }
+    }
+
     /// A model as the rasterizers read it.
     ///
     /// # Errors
