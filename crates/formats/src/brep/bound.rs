@@ -186,7 +186,7 @@ fn along_curve(curve: &Curve, [a, b]: [f64; 2]) -> Option<Vector> {
             let least = if a <= 0.0 && 0.0 <= b { 0.0 } else { a.abs().min(b.abs()) };
             let cosh = Interval::around([least, a, b].map(f64::cosh).into_iter(), 1e-15 * a.abs().max(b.abs()).cosh());
             let sinh = Interval::around(ends().map(f64::sinh), 1e-15 * a.abs().max(b.abs()).cosh());
-            let hyperbolic = |k: usize| if k % 2 == 0 { cosh } else { sinh };
+            let hyperbolic = |k: usize| if k.is_multiple_of(2) { cosh } else { sinh };
             turned(frame, scale(radii.x, series(&hyperbolic)), scale(radii.y, series(&|k| hyperbolic(k + 1))))
         }
         Curve::Spline { .. } => {
