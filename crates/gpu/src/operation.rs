@@ -77,7 +77,10 @@ impl Operation {
             Self::Root => a.sqrt(),
             Self::Less => f32::from(u8::from(a < b)),
             Self::ProductAndSum => a * b + a,
-            Self::Products => a * b - b * a,
+            Self::Products => {
+                let turned = b * a;
+                a * b - turned
+            }
             Self::Rounding => (a - ((a + b) - ((a + b) - a))) + (b - ((a + b) - a)),
         }
     }
