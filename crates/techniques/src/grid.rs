@@ -21,7 +21,7 @@ pub use record::GridRecord;
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::{Cell, Claims};
+use compare::{Cells, Claims};
 use pipeline::Mesh;
 use pipeline::wgsl::Part;
 use raster::Drawing;
@@ -69,7 +69,7 @@ impl Prepared for Grids {
         &self.chord
     }
 
-    fn cells(&self) -> &[Vec<Cell>] {
+    fn cells(&self) -> &[Vec<Cells>] {
         &self.cells
     }
 

@@ -77,7 +77,8 @@ impl<'m> Stage<'m> {
     pub fn new(model: &'m Model, camera: Camera, viewport: Viewport, plan: Plan) -> Result<Self> {
         let scene = Arc::new(plan.packed(model, &camera, viewport)?);
         let Plan { chord_px, limits, .. } = plan;
-        let setting = Setting { model, scene: &scene, camera: &camera, viewport, chord_px, limits };
+        let vertex_normals = plan.vertex_normals;
+        let setting = Setting { model, scene: &scene, camera: &camera, viewport, chord_px, limits, vertex_normals };
         let prepared = plan.technique.prepare(&setting)?;
         if plan.path != Path::Fragment && prepared.mesh().is_none() {
             bail!("technique {} draws no triangles, so there are none for --path compute", plan.technique.name())

@@ -54,7 +54,6 @@ const BUNCH_CORNERS: u32 = 128;
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct AskedUniform {
     error_px: f32,
-    least: u32,
     most: u32,
     grids: u32,
     capacity: u32,
@@ -230,8 +229,7 @@ impl Feed for Generator {
         let asked = AskedUniform {
             error_px: grids.asked.error_px,
             per_error: grids.asked.per_error,
-            least: grids.asked.levels[0],
-            most: grids.asked.levels[1],
+            most: grids.asked.most,
             grids: grids.records.len() as u32,
             draws: SIZES * grids.programs.len() as u32,
             ..Zeroable::zeroed()
@@ -417,8 +415,11 @@ mod tests {
         let viewport = Viewport::new(96, 72).unwrap();
         let names = ["teapot", "rational", "islands", "spray", "pieces"];
         // At level 1 the error is not kept anywhere near, and skirts are wider.
-        for (name, level) in names.map(|name| (name, GREATEST_LEVEL)).into_iter().chain([("teapot", 1), ("islands", 1)])
-        {
+        let coarse = [("teapot", 1, false), ("islands", 1, false)];
+        // Normals at corners ask for least levels.
+        let floored = [("teapot", GREATEST_LEVEL, true), ("weights-1000", GREATEST_LEVEL, true), ("torus", 1, true)];
+        let fine = names.map(|name| (name, GREATEST_LEVEL, false));
+        for (name, level, vertex_normals) in fine.into_iter().chain(coarse).chain(floored) {
             let model = models::builtin(name).unwrap();
             let scene = PackedScene::new(&model, Scheme::Specialised).unwrap();
             let framed = Camera::framing(&model, viewport);
@@ -426,9 +427,18 @@ mod tests {
             let inside = Camera::look_at(near, model.hull().max, DVec3::Z, Projection::Perspective { fov_deg: 60.0 });
             let flat = Camera::look_at(near, model.hull().center(), DVec3::X, Projection::Orthographic { height: 1.0 });
             let limits = Limits { level, ..Limits::default() };
-            let setting = Setting { model: &model, scene: &scene, camera: &framed, viewport, chord_px: 0.3, limits };
+            let setting = Setting {
+                model: &model,
+                scene: &scene,
+                camera: &framed,
+                viewport,
+                chord_px: 0.3,
+                limits,
+                vertex_normals: false,
+            };
             let grids = Grids::new(&setting).unwrap();
             assert_eq!(grids.built_px > 0.3, level == 1, "{name}");
+            assert_eq!(grids.measures.iter().any(|measure| measure.floor != 0), vertex_normals, "{name}");
             for camera in [framed, inside.unwrap(), flat.unwrap()] {
                 let views = scene.views(&model, &camera, viewport);
                 let expected = grids.seen(&scene, &views);
