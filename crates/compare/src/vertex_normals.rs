@@ -160,7 +160,7 @@ impl Setting<'_> {
             let ([su, sv], at) = ([d.su, d.sv].map(DVec3::length), at(piece));
             let domain = &normals.pieces[normals.surfaces[face]][piece].domain;
             let ways = [0, 1].map(|k| [su, sv][k] * beside[k] * (domain[k][1] - domain[k][0]));
-            (0..2).filter(|k| at[*k] == 0.0 || at[*k] == 1.0).map(|k| ways[k]).sum()
+            (0..2).filter(|k| at[*k] <= BEYOND || at[*k] >= 1.0 - BEYOND).map(|k| ways[k]).sum()
         };
         let ended = pieces.iter().map(ended).fold(0.0, f64::max);
         let allowed = chord * followed.powi(2) + ended + POINT_ULPS / (1u64 << 24) as f64 * (hit.t.abs() + self.size);

@@ -6,6 +6,7 @@
 //! on vertex. `tiles` cuts grids into what one draw call instances. `gpu` does all of that on the device, for each frame anew; no
 //! vertex is stored there.
 
+mod choice;
 mod corner;
 mod gpu;
 mod grids;
@@ -14,6 +15,7 @@ mod levels;
 mod record;
 mod tiles;
 
+pub use choice::wrong_levels;
 pub(crate) use gpu::CORNER;
 pub use grids::{Grids, Picture};
 pub use record::GridRecord;

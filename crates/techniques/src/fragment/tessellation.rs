@@ -5,7 +5,7 @@ use super::grid::{Grid, Skirt, corner, grids_of_spans, mesh};
 use crate::error::PrepareError;
 use crate::technique::Setting;
 use crate::triangles::bounds::Bounds;
-use crate::triangles::coarsened::coarsened;
+use crate::triangles::coarsened::{REFINED_TRIANGLES, coarsened};
 use crate::triangles::floor::height;
 use crate::triangles::frustum::pixels;
 use crate::triangles::patches::spans_of;
@@ -77,7 +77,7 @@ impl Tessellation {
         };
         let floors = |height: u32| wanted.par_iter().map(|face| face.least(height)).collect::<Vec<Counts>>();
         let floors = floors(if vertex_normals { height(|height| triangles(&floors(height))) } else { 0 });
-        let (cells, built_px) = coarsened(chord_px, least, |px| {
+        let (cells, built_px) = coarsened(chord_px, [least, REFINED_TRIANGLES as f64], |px| {
             let of_face = |(face, floors): (&Wanted, &Counts)| face.cells(px, floors.clone());
             let cells: Vec<Counts> = wanted.par_iter().zip(&floors).map(of_face).collect();
             let triangles = triangles(&cells);

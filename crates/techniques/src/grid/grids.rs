@@ -196,7 +196,7 @@ impl Grids {
                 triangles(&grids.settled(&grids.views).0)
             });
         }
-        let ((records, chosen), kept_px) = coarsened(chord_px, least as f64, |px| {
+        let ((records, chosen), kept_px) = coarsened(chord_px, [least, limits.triangles].map(|n| n as f64), |px| {
             grids.asked = Asked::new(px, most);
             let (records, chosen) = grids.settled(&grids.views);
             let triangles = triangles(&records);
