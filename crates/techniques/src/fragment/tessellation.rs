@@ -56,8 +56,8 @@ impl Tessellation {
             let floors = if vertex_normals { bounds.floors(&patches) } else { vec![] };
             (bounds, patches.iter().map(&pixel).collect(), floors)
         };
-        let surfaces: Vec<(Bounds, Vec<f64>, Vec<Vec<[u32; 2]>>)> =
-            model.surfaces().par_iter().map(of_surface).collect();
+        type OfSurface = (Bounds, Vec<f64>, Vec<Vec<[u32; 2]>>);
+        let surfaces: Vec<OfSurface> = model.surfaces().par_iter().map(of_surface).collect();
         let of_face = |(id, face): (usize, &Face)| {
             let (bounds, pixels, floors) = &surfaces[face.surface];
             let spans = spans_of(model.region(FaceId(id as u32)), &scene.frames()[id].breaks);
