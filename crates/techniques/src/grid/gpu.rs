@@ -493,7 +493,7 @@ mod tests {
                 viewport,
                 chord_px: 0.3,
                 limits,
-                vertex_normals: false,
+                vertex_normals,
             };
             let grids = Grids::new(&setting).unwrap();
             assert_eq!(grids.built_px > 0.3, level == 1, "{name}");
