@@ -75,16 +75,18 @@ fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> Nearest {
     return Nearest(Parameters(next, uv), select(GREATEST, way_squared, all(next == f.span)));
 }
 
-// What the flat triangle carries, in place of the surface's own: the interpolated normal, and the triangle's point but on a skirt.
+// What the flat triangle carries, in place of the surface's own: its point and the interpolated normal. A skirt shows the surface's own,
+// of a place beside the triangle.
 fn carried(in: Sample, own: Fragment) -> Fragment {
     var f = own;
+    f.curvature = vec2<f32>(0.0);
+    if (TRIMMED && is_on_skirt(faces[in.face], in.given)) {
+        return f;
+    }
     let length = sqrt(dot(in.normal, in.normal));
     f.status = select(UNDEFINED, REGULAR, length > 0.0);
     f.normal = select(vec3<f32>(0.0), in.normal / length, length > 0.0);
-    f.curvature = vec2<f32>(0.0);
-    if (!TRIMMED || !is_on_skirt(faces[in.face], in.given)) {
-        f.position = in.local;
-    }
+    f.position = in.local;
     return f;
 }
 

@@ -15,13 +15,12 @@ struct Measure {
     half: vec3<f32>,
     skirts: u32,
     bend: vec3<f32>,
-    padding: u32,
+    floor: u32,
     groups: vec4<u32>,
 }
 
 struct Asked {
     error_px: f32,
-    least: u32,
     most: u32,
     // How many grids there are.
     grids: u32,
@@ -87,8 +86,8 @@ fn chord(bend: vec3<f32>, level: vec2<u32>) -> f32 {
     return in_order(bend, powers);
 }
 
-fn level_of(bend: vec3<f32>, allowed: f32) -> vec2<u32> {
-    var level = vec2<u32>(asked.least);
+fn level_of(bend: vec3<f32>, allowed: f32, floor: vec2<u32>) -> vec2<u32> {
+    var level = floor;
     while (chord(bend, level) > allowed && min(level.x, level.y) < asked.most) {
         let finer_u = chord(bend, level + vec2<u32>(1u, 0u));
         let finer_v = chord(bend, level + vec2<u32>(0u, 1u));
@@ -126,7 +125,8 @@ fn choose(@builtin(global_invocation_id) id: vec3<u32>) {
     let away = product(product(NEAREST_SHARE, measures[grid].diagonal), forward);
     var pixel = product(views[face].units.w, max(range(w, grid).x, away));
     let allowed = product(asked.error_px, pixel);
-    let level = level_of(measures[grid].bend, allowed);
+    let floor = vec2<u32>(measures[grid].floor & 65535u, measures[grid].floor >> 16u);
+    let level = level_of(measures[grid].bend, allowed, floor);
     // Where the greatest level leaves more, skirts are as wide.
     let off = chord(measures[grid].bend, level);
     let widened = product(off, asked.per_error);

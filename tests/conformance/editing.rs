@@ -16,7 +16,7 @@ fn pulled(model: &Model) -> Model {
 }
 
 fn setting<'a>(model: &'a Model, scene: &'a PackedScene, camera: &'a Camera, viewport: Viewport) -> Setting<'a> {
-    Setting { model, scene, camera, viewport, chord_px: 0.25, limits: Limits::default() }
+    Setting { model, scene, camera, viewport, chord_px: 0.25, limits: Limits::default(), vertex_normals: false }
 }
 
 /// What a renderer that was made with the pulled model shows, and what one shows that had to learn of it.
@@ -75,7 +75,7 @@ fn triangles_follow_their_surface_and_know_how_far_they_are_off() {
     let camera = Camera::framing(&model, viewport);
     let edited = pulled(&model);
     let [before, after] = [&model, &edited].map(|model| PackedScene::new(model, Scheme::Specialised).expect("small"));
-    let was = Tessellation::new(&model, &before, &camera, viewport, 0.25).expect("few triangles");
+    let was = Tessellation::new(&setting(&model, &before, &camera, viewport)).expect("few triangles");
     let mut followed = was.clone();
     followed.follow(&edited, &after, FaceId(0));
     assert_eq!(followed.mesh.indices, was.mesh.indices, "nothing is tessellated anew");

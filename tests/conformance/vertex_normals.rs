@@ -24,6 +24,38 @@ fn device() -> gpu::Device {
     gpu::Device::open(None).expect("a GPU adapter: `apt-get install mesa-vulkan-drivers libvulkan1`")
 }
 
+/// In pictures so small that half a pixel of error knows nothing of how a cell turns.
+#[test]
+fn cells_are_so_small_that_their_normals_are_known() {
+    let device = device();
+    let case = |name: &str| {
+        let path = format!("{}/../testdata/cases/{name}.json", env!("CARGO_MANIFEST_DIR"));
+        formats::read(std::path::Path::new(&path)).expect("a readable case")
+    };
+    let spray = models::builtin("spray").expect("built in");
+    let models = [case("mixed_3"), case("weights_2"), case("solid_3"), spray];
+    let viewport = Viewport::new(96, 72).expect("a legal size");
+    for model in &models {
+        let caster = Caster::new(model);
+        // By technique `fragment` llvmpipe interpolates one pixel of `spray` far beyond a cell that it sees edge-on.
+        let all = [&Fragment as &'static dyn Technique, &Grid, &ByZones];
+        for &technique in &all[usize::from(model.name() == "spray")..] {
+            let plan = Plan { technique, chord_px: 0.5, vertex_normals: true, ..Plan::default() };
+            let stage = Stage::new(model, Camera::framing(model, viewport), viewport, plan).expect("a stage");
+            let (rays, raster) = (stage.raycast(&caster), stage.raster());
+            let on_gpu = stage.gpu(&device, None, gpu::Overrides::default()).expect("the GPU draws").gbuffer;
+            for pair in [
+                stage.against_raycast(&caster, &rays, &raster).expect("comparable"),
+                stage.against_raycast(&caster, &rays, &on_gpu).expect("comparable"),
+                stage.against_raster(&raster, &on_gpu).expect("comparable"),
+            ] {
+                let (name, found) = (model.name(), (pair.unbounded, &pair.causes));
+                assert_eq!(pair.verdict, Verdict::Agree, "{name}, {technique:?}: {found:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_triangles_carry_agrees() {
     let device = device();

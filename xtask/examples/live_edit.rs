@@ -36,8 +36,15 @@ fn main() -> Result<()> {
         let model = model.with_surface(0, start.with_point(PULLED, rest + DVec3::Z * lift)?);
         let scene = PackedScene::new(&model, Scheme::Specialised)?;
         let chord_px = techniques::DEFAULT_CHORD_PX;
-        let setting =
-            Setting { model: &model, scene: &scene, camera: &camera, viewport, chord_px, limits: Limits::default() };
+        let setting = Setting {
+            model: &model,
+            scene: &scene,
+            camera: &camera,
+            viewport,
+            chord_px,
+            limits: Limits::default(),
+            vertex_normals: false,
+        };
         let prepared: Arc<dyn Prepared> = match shown.last() {
             None => techniques::ALL[0].prepare(&setting)?,
             Some((_, _, before)) => Prepared::edited(&**before, &setting, FaceId(0))?,

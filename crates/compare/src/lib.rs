@@ -41,4 +41,4 @@ pub use sampler::Sampler;
 pub use shares::{BINS, Histogram, Histograms, Shares};
 pub use stand_in::StandIn;
 pub use unbounded::Unbounded;
-pub use vertex_normals::{Cell, VertexNormals};
+pub use vertex_normals::{Cells, VertexNormals};

@@ -1,5 +1,6 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
+use crate::deviation::SNAP_PX;
 use crate::difference::Difference;
 use crate::edge::EdgeFound;
 use crate::evaluation::Evaluated;
@@ -176,7 +177,8 @@ impl Pair<'_, '_> {
                 let of = |piece| self.deviation.attribute_at(face, piece);
                 let interpolated = self.setting.pieces(&own).map(of).fold(0.0, f64::max);
                 let chord = self.edge_chord(&own) + interpolated;
-                setting.carried(candidate, normals, chord, self.deviation.snap_px)
+                // Of the candidate's own corners: a reference that snaps, too, changes nothing of what they carry.
+                setting.carried(candidate, normals, chord, self.deviation.snap_px.min(SNAP_PX))
             }
         }
     }
@@ -287,6 +289,16 @@ impl Pair<'_, '_> {
         let hides = |r: &&Hit| r.t < candidate.t - slack - 2.0 * self.model_units(r);
         let Some(occluder) = reference.filter(hides) else { return with_distance() };
         let behind = |hit: &Hit| hit.t >= candidate.t - slack;
+        // Where the candidate's sheet leans it is nearer beside the pixel: no farther than half way to what hides it.
+        let on_sheet = |at: DVec2, hit: &Hit| {
+            let Some(uv) = self.setting.seen_at(candidate, at).filter(|_| hit.face == candidate.face) else {
+                return false;
+            };
+            let ray = self.setting.camera.ray(self.setting.viewport, at.x, at.y);
+            let s = self.setting.model.surface(candidate.face).point(uv.x, uv.y);
+            let t = (s - ray.origin).dot(ray.direction);
+            hit.t >= t - slack && t - slack > 0.5 * (candidate.t + occluder.t)
+        };
         let own =
             picture.filter(|_| self.exact).is_some_and(|p| self.sampler.first(p.x, p.y).as_ref().is_none_or(behind));
         // Beyond the edge of its triangle a point may fall behind the next one of its face by as much as both are off.
@@ -298,7 +310,8 @@ impl Pair<'_, '_> {
         let hiding = || once(*occluder).chain(self.layers(center)).filter(|q| hides(&q));
         if own
             || behind_own_face()
-            || self.ends_nearby(occluder, center, bound, &|_, first| first.is_none_or(behind))
+            || self
+                .ends_nearby(occluder, center, bound, &|at, first| first.is_none_or(|q| behind(q) || on_sheet(at, q)))
             || self.exact && self.each_ends_nearby(hiding(), center, bound_px, &|q| !behind(q))
         {
             return with_distance();

@@ -16,14 +16,52 @@ use rayon::prelude::*;
 use scene::Model;
 use std::sync::Arc;
 
-/// The cells that a technique has cut a Bézier piece into.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cell {
-    /// The greatest cell along u and along v, as shares of the piece.
-    pub size: [f64; 2],
-    /// Whether cells of that size tile the piece from its start on, and all smaller ones lie in one of them.
-    pub is_aligned: bool,
+/// How a technique has cut a Bézier piece: into equal parts, and each of them into cells from its start on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cells {
+    /// Parts along u and along v.
+    pub parts: [usize; 2],
+    /// Of each part, row-major in u, the greatest cell along u and along v, as shares of the part: each of its cells lies in one of those.
+    pub sizes: Vec<[f64; 2]>,
 }
+
+impl Cells {
+    /// Those of a piece in so many parts of which nothing is drawn.
+    pub fn in_parts(parts: [usize; 2]) -> Self {
+        Self { parts, sizes: vec![[0.0; 2]; parts[0] * parts[1]] }
+    }
+
+    /// The cells that come within `reach` of parameters `at`, each 0 … 1: shares of the piece, too. `None` where nothing is known of
+    /// one of them.
+    fn within(&self, at: [f64; 2], reach: [f64; 2]) -> Option<Vec<Rectangle>> {
+        let parts = [0, 1].map(|k| {
+            let part = |t: f64| ((t * self.parts[k] as f64).max(0.0) as usize).min(self.parts[k] - 1);
+            part(at[k] - reach[k])..=part(at[k] + reach[k])
+        });
+        let mut cells = vec![];
+        for (i, j) in parts[0].clone().flat_map(|i| parts[1].clone().map(move |j| (i, j))) {
+            let size = *self.sizes.get(i * self.parts[1] + j)?;
+            if !size.iter().all(|size| *size > 0.0 && *size <= 1.0) {
+                return None;
+            }
+            let lines = |k: usize, part: usize| {
+                let parts = self.parts[k] as f64;
+                let (start, size) = (part as f64 / parts, size[k] / parts);
+                let line = |t: f64| ((t - start).clamp(0.0, 1.0 / parts) / size).floor();
+                // The last cell of a part ends where the part does.
+                let last = (1.0 / (parts * size)).ceil() - 1.0;
+                let (first, last) =
+                    (line(at[k] - reach[k]).min(last) as usize, line(at[k] + reach[k]).min(last) as usize);
+                (first..=last).map(move |n| [n, n + 1].map(|n| (start + n as f64 * size).min(1.0)))
+            };
+            cells.extend(lines(0, i).flat_map(|u| lines(1, j).map(move |v| [u, v])));
+        }
+        Some(cells)
+    }
+}
+
+/// Where a cell starts and ends along u, and along v.
+type Rectangle = [[f64; 2]; 2];
 
 /// A cone whose sine comes to this says nothing: a normal may then be 30° off its axis.
 pub const WIDEST: f64 = 0.5;
@@ -48,12 +86,12 @@ pub struct VertexNormals {
     pieces: Arc<Vec<Vec<BezierPatch>>>,
     /// Of each face.
     surfaces: Vec<usize>,
-    cells: Vec<Vec<Cell>>,
+    cells: Vec<Vec<Cells>>,
 }
 
 impl VertexNormals {
-    /// Those of a model; for each face and each of its pieces a cell, or none for a face of which nothing is known.
-    pub fn new(model: &Model, cells: &[Vec<Cell>]) -> Self {
+    /// Those of a model; for each face and each of its pieces how it is cut, or none for a face of which nothing is known.
+    pub fn new(model: &Model, cells: &[Vec<Cells>]) -> Self {
         Self {
             pieces: Arc::new(model.surfaces().par_iter().map(|surface| surface.bezier_patches()).collect()),
             surfaces: model.faces().iter().map(|face| face.surface).collect(),
@@ -61,24 +99,14 @@ impl VertexNormals {
         }
     }
 
-    /// A cone that holds what the triangles of the cell about parameters `at` of a piece, each 0 … 1, may carry there and `beside`.
-    fn cone(&self, face: usize, piece: usize, at: [f64; 2], beside: [f64; 2]) -> Option<Cone> {
-        let Cell { size, is_aligned } = *self.cells.get(face)?.get(piece)?;
+    /// A cone that holds what the triangles of a cell of a piece carry.
+    fn cone(&self, face: usize, piece: usize, cell: &Rectangle) -> Option<Cone> {
         let patch = &self.pieces[self.surfaces[face]][piece];
         let rectangle = [0, 1].map(|k| {
-            // On a border it may be the skirt's nearest point, from beside the cell.
-            let [low, high] = if is_aligned && at[k] > 0.0 && at[k] < 1.0 {
-                let first = (at[k] / size[k] - BEYOND).floor();
-                let last = (at[k] / size[k] + BEYOND).floor();
-                [first * size[k], (last + 1.0) * size[k]]
-            } else {
-                [at[k] - size[k], at[k] + size[k]]
-            };
             let [start, end] = patch.domain[k];
-            let wide = BEYOND + beside[k];
-            [low - wide, high + wide].map(|t| start + (end - start) * t.clamp(0.0, 1.0))
+            cell[k].map(|t| start + (end - start) * t)
         });
-        let is_whole = size.iter().all(|size| *size <= 1.0) && rectangle.iter().all(|[low, high]| low < high);
+        let is_whole = rectangle.iter().all(|[low, high]| low < high);
         if is_whole { patch.part(rectangle).normal_cone() } else { None }
     }
 }
@@ -108,11 +136,15 @@ impl Setting<'_> {
             })
         };
         // Snapping may leave the pixel's centre outside its triangle, whose plane is then followed so far.
-        let beside = |piece: usize| self.beside(hit, s, snap_px, &normals.pieces[normals.surfaces[face]][piece].domain);
+        let d = self.model.surface(hit.face).first_derivatives(hit.uv.x, hit.uv.y);
+        let reach = self.reach([d.su, d.sv], s, snap_px);
+        let beside = |piece: usize| beside(reach, &normals.pieces[normals.surfaces[face]][piece].domain);
         let pieces: Vec<(usize, [f64; 2])> = pieces.into_iter().map(|piece| (piece, beside(piece))).collect();
-        let followed = |(piece, beside): &(usize, [f64; 2])| {
-            let Some(cell) = normals.cells.get(face).and_then(|cells| cells.get(*piece)) else { return f64::INFINITY };
-            (0..2).map(|k| beside[k] / cell.size[k]).fold(0.0, f64::max)
+        let cells = |piece: usize, reach: [f64; 2]| normals.cells.get(face)?.get(piece)?.within(at(piece), reach);
+        let followed = |&(piece, beside): &(usize, [f64; 2])| {
+            let Some(cells) = cells(piece, [BEYOND; 2]) else { return f64::INFINITY };
+            let shares = cells.iter().flat_map(|cell| (0..2).map(|k| beside[k] / (cell[k][1] - cell[k][0])));
+            shares.fold(0.0, f64::max)
         };
         let followed = 1.0 + 2.0 * pieces.iter().map(followed).fold(0.0, f64::max);
         let evaluated = |shares| Ok(Evaluated { shares, radius: 0.0 });
@@ -121,15 +153,29 @@ impl Setting<'_> {
         if !is_beside {
             return evaluated(Shares { unbounded: Some(Unbounded::Interpolation), ..Shares::default() });
         }
-        let allowed = chord * followed + POINT_ULPS / (1u64 << 24) as f64 * (hit.t.abs() + self.size);
+        // A plane through points that lie `h` apart is off by M / 2 (h + b) b at most where it is followed `b` beyond them, and the chord of
+        // h + 2 b is more.
+        // On a border of the piece its parameters end, and the plane goes on.
+        let ended = |&(piece, beside): &(usize, [f64; 2])| -> f64 {
+            let ([su, sv], at) = ([d.su, d.sv].map(DVec3::length), at(piece));
+            let domain = &normals.pieces[normals.surfaces[face]][piece].domain;
+            let ways = [0, 1].map(|k| [su, sv][k] * beside[k] * (domain[k][1] - domain[k][0]));
+            (0..2).filter(|k| at[*k] <= BEYOND || at[*k] >= 1.0 - BEYOND).map(|k| ways[k]).sum()
+        };
+        let ended = pieces.iter().map(ended).fold(0.0, f64::max);
+        let allowed = chord * followed.powi(2) + ended + POINT_ULPS / (1u64 << 24) as f64 * (hit.t.abs() + self.size);
         let off = hit.position.distance(s);
         if off > allowed {
             let detail = format!("the triangle's point is {off:.3e} from S(u, v); {allowed:.3e} are allowed");
             return Err(Difference::new(self.attribution.of_position(hit, off / allowed), off / allowed, detail));
         }
         let mut shares = Shares { position: Some(off / allowed), ..Shares::default() };
-        let cone = |(piece, beside): &(usize, [f64; 2])| normals.cone(face, *piece, at(*piece), *beside);
-        let cones: Vec<Option<Cone>> = pieces.iter().map(cone).collect();
+        // The triangle is one of any of these cells.
+        let cones_of = |&(piece, beside): &(usize, [f64; 2])| -> Vec<Option<Cone>> {
+            let Some(cells) = cells(piece, beside.map(|beside| beside + BEYOND)) else { return vec![None] };
+            cells.iter().map(|cell| normals.cone(face, piece, cell)).collect()
+        };
+        let cones: Vec<Option<Cone>> = pieces.iter().flat_map(cones_of).collect();
         let is_useful = |cone: &Option<Cone>| cone.is_some_and(|cone| cone.sine * followed < WIDEST);
         let Some(normal) = hit.normal.unit().filter(|_| cones.iter().all(is_useful)) else {
             if hit.normal.unit().is_none() && cones.iter().all(is_useful) {
@@ -158,12 +204,15 @@ impl Setting<'_> {
         evaluated(shares)
     }
 
-    /// How far `snap_px` pixels reach in u and in v about a hit, as shares of a rectangle of its surface's parameters.
-    fn beside(&self, hit: &Hit, s: DVec3, snap_px: f64, domain: &[[f64; 2]; 2]) -> [f64; 2] {
-        let d = self.model.surface(hit.face).first_derivatives(hit.uv.x, hit.uv.y);
-        let [a, b] = [d.su, d.sv].map(|along| self.camera.picture_derivative(self.viewport, s, along));
+    /// How far `snap_px` pixels reach in u and in v about a point with these derivatives.
+    fn reach(&self, derivatives: [DVec3; 2], s: DVec3, snap_px: f64) -> [f64; 2] {
+        let [a, b] = derivatives.map(|along| self.camera.picture_derivative(self.viewport, s, along));
         let area = a.perp_dot(b).abs();
-        let reach = [b.length(), a.length()].map(|across| snap_px * across / area);
-        [0, 1].map(|k| reach[k] / (domain[k][1] - domain[k][0]))
+        [b.length(), a.length()].map(|across| snap_px * across / area)
     }
+}
+
+/// A reach in u and in v as shares of a rectangle of parameters.
+fn beside(reach: [f64; 2], domain: &[[f64; 2]; 2]) -> [f64; 2] {
+    [0, 1].map(|k| reach[k] / (domain[k][1] - domain[k][0]))
 }

@@ -28,6 +28,6 @@ impl LimitArgs {
 
     /// The same in the techniques' own words.
     pub fn limits(self) -> Limits {
-        Limits { level: self.level, zones: self.emit / ZONE_WORDS, batch: self.batch }
+        Limits { level: self.level, zones: self.emit / ZONE_WORDS, batch: self.batch, ..Limits::default() }
     }
 }

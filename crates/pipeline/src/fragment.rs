@@ -88,7 +88,7 @@ pub fn tangent_plane(scene: &PackedScene, face: u32, at: Parameters) -> TangentP
 
 /// Whether parameters are beyond the domain.
 #[inline(always)]
-pub(crate) fn is_on_skirt(f: &FaceRecord, Parameters { span, uv }: Parameters) -> bool {
+pub fn is_on_skirt(f: &FaceRecord, Parameters { span, uv }: Parameters) -> bool {
     let last = [f.spans_u - 1, f.spans_v - 1];
     (0..2).any(|k| (uv[k] < 0.0 && span[k] == 0) || (uv[k] > 1.0 && span[k] == last[k]))
 }

@@ -16,7 +16,7 @@ use scene::{Camera, Model, Projection, Viewport};
 use std::hint::black_box;
 use std::time::Instant;
 use techniques::fragment::Tessellation;
-use techniques::{DEFAULT_CHORD_PX, Prepared};
+use techniques::{DEFAULT_CHORD_PX, Limits, Prepared, Setting};
 
 /// A clamped uniform bicubic sheet of `nu` × `nv` control points over a unit square, waves on it, weights not all one.
 fn sheet(nu: usize, nv: usize, corner: DVec2, side: f64) -> Surface {
@@ -96,7 +96,16 @@ fn main() {
         let camera = camera.unwrap_or_else(|| Camera::framing(model, viewport));
         let scene = PackedScene::new(model, Scheme::Specialised).expect("packs");
         let views = scene.views(model, &camera, viewport);
-        let triangles = Tessellation::new(model, &scene, &camera, viewport, DEFAULT_CHORD_PX).expect("fits");
+        let setting = Setting {
+            model,
+            scene: &scene,
+            camera: &camera,
+            viewport,
+            chord_px: DEFAULT_CHORD_PX,
+            limits: Limits::default(),
+            vertex_normals: false,
+        };
+        let triangles = Tessellation::new(&setting).expect("fits");
         let options = Options::default();
         let drawing = Drawing { scene: &scene, views: &views, camera: &camera, viewport, options };
         let meta = Meta::new("raster", "fragment", model, &camera);

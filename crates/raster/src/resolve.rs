@@ -88,15 +88,17 @@ fn hit(drawing: &Drawing, fragment: &Fragment, at: [f64; 2], carried: Option<&Ca
     let fragment = &Fragment { edge, ..*fragment };
     let ray = drawing.camera.ray(drawing.viewport, at[0], at[1]);
     let mut hit = drawing.scene.hit(fragment, &ray);
-    if let Some(Carried { normal: [x, y, z], depth }) = carried {
+    if carried.is_some() {
+        hit.curvature = None;
+    }
+    if let Some(Carried::Point { normal: [x, y, z], depth }) = carried {
         let length = (x * x + y * y + z * z).sqrt();
         hit.normal = if length > 0.0 {
             Normal::Regular(DVec3::from_array([x / length, y / length, z / length].map(f64::from)))
         } else {
             Normal::Undefined
         };
-        hit.curvature = None;
-        if let Some(t) = depth.and_then(|depth| distance(drawing, fragment.face, &ray, depth)) {
+        if let Some(t) = distance(drawing, fragment.face, &ray, *depth) {
             (hit.t, hit.position) = (t, ray.at(t));
         }
     }

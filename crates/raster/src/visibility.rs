@@ -30,11 +30,16 @@ impl Run {
 
 /// What a flat triangle carries to a pixel, in place of the surface's own.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Carried {
-    /// The interpolated normal, of any length.
-    pub normal: [f32; 3],
-    /// z / w of the triangle's point; `None` on a skirt, where the surface's own point is shown.
-    pub depth: Option<f32>,
+pub enum Carried {
+    /// On a skirt: the surface's own is shown, of a place beside the triangle.
+    Nothing,
+    /// A point of the triangle.
+    Point {
+        /// The interpolated normal, of any length.
+        normal: [f32; 3],
+        /// z / w.
+        depth: f32,
+    },
 }
 
 /// What is drawn at a sample.

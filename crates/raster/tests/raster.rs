@@ -11,7 +11,7 @@ use raster::{Drawing, Options, Rasterizer};
 use scene::{Camera, Model, Projection, Ray, Viewport};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use techniques::fragment::Tessellation;
-use techniques::{DEFAULT_CHORD_PX, Prepared};
+use techniques::{DEFAULT_CHORD_PX, Limits, Prepared};
 
 /// A flat parallelogram with linear parameters.
 #[derive(Clone, Copy)]
@@ -53,7 +53,13 @@ impl Setting {
         let views = scene.views(&model, &camera, viewport);
         let triangles = match cells {
             Some(cells) => Tessellation::uniform(&model, &scene, cells).unwrap(),
-            None => Tessellation::new(&model, &scene, &camera, viewport, DEFAULT_CHORD_PX).unwrap(),
+            None => {
+                let (limits, chord_px) = (Limits::default(), DEFAULT_CHORD_PX);
+                let (model, scene, camera) = (&model, &scene, &camera);
+                let setting =
+                    techniques::Setting { model, scene, camera, viewport, chord_px, limits, vertex_normals: false };
+                Tessellation::new(&setting).unwrap()
+            }
         };
         Self { model, scene, triangles, views, camera, viewport }
     }

@@ -12,7 +12,7 @@ pub use tessellation::Tessellation;
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::{Cell, Claims};
+use compare::{Cells, Claims};
 use pipeline::wgsl::Part;
 use pipeline::{Mesh, PackedScene};
 use raster::Drawing;
@@ -43,8 +43,7 @@ impl Technique for Fragment {
     }
 
     fn prepare(&self, setting: &Setting) -> Result<Arc<dyn Prepared>, PrepareError> {
-        let Setting { model, scene, camera, viewport, chord_px, .. } = *setting;
-        Ok(Arc::new(Tessellation::new(model, scene, camera, viewport, chord_px)?))
+        Ok(Arc::new(Tessellation::new(setting)?))
     }
 
     fn uniform(
@@ -70,7 +69,7 @@ impl Prepared for Tessellation {
         &self.chord
     }
 
-    fn cells(&self) -> &[Vec<Cell>] {
+    fn cells(&self) -> &[Vec<Cells>] {
         self.normal_cells()
     }
 

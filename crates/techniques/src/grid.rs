@@ -6,6 +6,7 @@
 //! on vertex. `tiles` cuts grids into what one draw call instances. `gpu` does all of that on the device, for each frame anew; no
 //! vertex is stored there.
 
+mod choice;
 mod corner;
 mod gpu;
 mod grids;
@@ -14,6 +15,7 @@ mod levels;
 mod record;
 mod tiles;
 
+pub use choice::wrong_levels;
 pub(crate) use gpu::CORNER;
 pub use grids::{Grids, Picture};
 pub use record::GridRecord;
@@ -21,7 +23,7 @@ pub use record::GridRecord;
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::{Cell, Claims};
+use compare::{Cells, Claims};
 use pipeline::Mesh;
 use pipeline::wgsl::Part;
 use raster::Drawing;
@@ -69,7 +71,7 @@ impl Prepared for Grids {
         &self.chord
     }
 
-    fn cells(&self) -> &[Vec<Cell>] {
+    fn cells(&self) -> &[Vec<Cells>] {
         &self.cells
     }
 

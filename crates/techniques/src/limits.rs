@@ -1,5 +1,7 @@
 //! What grids may come to, whatever the error asks for.
 
+use crate::triangles::coarsened::REFINED_TRIANGLES;
+
 /// log₂ of the cells of a patch in one direction at most.
 pub const GREATEST_LEVEL: u32 = 11;
 
@@ -23,10 +25,13 @@ pub struct Limits {
     /// Patches that one step of it draws at most, each of them whole; 0 counts as 1. Without it a step ends where its zones do,
     /// within a patch as well.
     pub batch: Option<u32>,
+    /// Triangles up to which the error asked for decides: one that takes more is doubled until it does not. Technique `fragment` keeps to
+    /// [`REFINED_TRIANGLES`].
+    pub triangles: usize,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { level: GREATEST_LEVEL, zones: DEFAULT_ZONES, batch: None }
+        Self { level: GREATEST_LEVEL, zones: DEFAULT_ZONES, batch: None, triangles: REFINED_TRIANGLES }
     }
 }

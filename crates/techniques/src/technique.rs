@@ -2,7 +2,7 @@
 
 use crate::error::PrepareError;
 use crate::limits::Limits;
-use compare::{Cell, Claims};
+use compare::{Cells, Claims};
 use gpu::Drawable;
 use pipeline::wgsl::Part;
 use pipeline::{Mesh, PackedScene};
@@ -27,6 +27,8 @@ pub struct Setting<'a> {
     pub chord_px: f64,
     /// What grids may come to beside.
     pub limits: Limits,
+    /// Whether normals are those of the triangles' corners: then cells are so small that these are known, however coarse the picture is.
+    pub vertex_normals: bool,
 }
 
 /// A technique: where the surface is evaluated, and what carries (u, v, face) to a pixel.
@@ -96,7 +98,7 @@ pub trait Prepared: Drawable {
 
     /// For each face and each of its Bézier pieces, as [`Self::chord`], the cells that it is cut into: what may be said of normals that
     /// are interpolated over triangles. Empty where no triangle has corners on the surface.
-    fn cells(&self) -> &[Vec<Cell>] {
+    fn cells(&self) -> &[Vec<Cells>] {
         &[]
     }
 

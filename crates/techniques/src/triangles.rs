@@ -7,6 +7,7 @@ pub mod coarsened;
 pub mod compute;
 pub mod cpu;
 mod cut;
+pub mod floor;
 pub mod frustum;
 pub mod gpu;
 mod outline;

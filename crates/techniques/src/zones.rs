@@ -13,7 +13,7 @@ use crate::error::PrepareError;
 use crate::grid::Grids;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::{Cell, Claims};
+use compare::{Cells, Claims};
 use pipeline::Mesh;
 use pipeline::wgsl::Part;
 use raster::Drawing;
@@ -61,7 +61,7 @@ impl Prepared for Zones {
         &self.grids.chord
     }
 
-    fn cells(&self) -> &[Vec<Cell>] {
+    fn cells(&self) -> &[Vec<Cells>] {
         &self.grids.cells
     }
 

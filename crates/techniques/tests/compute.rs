@@ -37,7 +37,15 @@ impl<'m> Shot<'m> {
         (camera, viewport): (Camera, Viewport),
         chord_px: f64,
     ) -> Self {
-        let setting = Setting { model, scene, camera: &camera, viewport, chord_px, limits: Limits::default() };
+        let setting = Setting {
+            model,
+            scene,
+            camera: &camera,
+            viewport,
+            chord_px,
+            limits: Limits::default(),
+            vertex_normals: false,
+        };
         let prepared = techniques::named(technique).expect("a technique").prepare(&setting).expect("few triangles");
         Self { model, scene, camera, viewport, prepared }
     }

@@ -154,7 +154,15 @@ fn seen_at_a_slant(model: &Model, views: usize) -> [Wrong; 2] {
         let techniques: [&dyn Technique; 3] =
             [&techniques::fragment::Fragment, &techniques::grid::Grid, &techniques::zones::ByZones];
         let technique = techniques[view % 3];
-        let setting = Setting { model, scene: &scene, camera: &camera, viewport, chord_px, limits: Limits::default() };
+        let setting = Setting {
+            model,
+            scene: &scene,
+            camera: &camera,
+            viewport,
+            chord_px,
+            limits: Limits::default(),
+            vertex_normals: false,
+        };
         let prepared = technique.prepare(&setting).expect("few triangles");
         let views = scene.views(model, &camera, viewport);
         let drawing = Drawing { scene: &scene, views: &views, camera: &camera, viewport, options: Default::default() };
@@ -167,7 +175,7 @@ fn seen_at_a_slant(model: &Model, views: usize) -> [Wrong; 2] {
         let mut renderer = Renderer::new(&device, &scene, &*prepared, RendererOptions::default()).expect("it fits");
         let fragments = renderer.fragments(&views, viewport).expect("drawn");
         let seen = Seen { caster: &caster, camera: &camera, viewport, px: chord_px };
-        let cell = prepared.cells()[0][0].size;
+        let cell = prepared.cells()[0][0].sizes[0];
         wrong[0].add(&seen, cell, by_raster);
         wrong[1].add(&seen, cell, |pixel| fragments[pixel].is_some());
     }

@@ -18,7 +18,15 @@ fn a_strict_gbuffer_has_the_rasterizers_bits() {
     let scene = PackedScene::new(&model, Scheme::Specialised).expect("it packs");
     let camera = Camera::framing(&model, viewport);
     let limits = Limits::default();
-    let setting = Setting { model: &model, scene: &scene, camera: &camera, viewport, chord_px: 0.25, limits };
+    let setting = Setting {
+        model: &model,
+        scene: &scene,
+        camera: &camera,
+        viewport,
+        chord_px: 0.25,
+        limits,
+        vertex_normals: false,
+    };
     let prepared = techniques::named("fragment").expect("a technique").prepare(&setting).expect("few triangles");
     let views = scene.views(&model, &camera, viewport);
     let options = Options { curvature: true, vertex_normals: false };

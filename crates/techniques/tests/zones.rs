@@ -17,7 +17,8 @@ fn viewport() -> Viewport {
 
 fn grids(model: &Model, camera: &Camera, scene: &PackedScene) -> Grids {
     let limits = Limits::default();
-    Grids::new(&Setting { model, scene, camera, viewport: viewport(), chord_px: 0.25, limits }).expect("few triangles")
+    Grids::new(&Setting { model, scene, camera, viewport: viewport(), chord_px: 0.25, limits, vertex_normals: false })
+        .expect("few triangles")
 }
 
 #[test]

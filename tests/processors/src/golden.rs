@@ -78,6 +78,7 @@ impl Golden {
             viewport,
             chord_px: DEFAULT_CHORD_PX,
             limits: Limits::default(),
+            vertex_normals: false,
         };
         let prepared = technique.prepare(&setting).expect("built-in models take few triangles");
         let views = scene.views(model, &camera, viewport);

@@ -63,6 +63,7 @@ impl<'a> Frames<'a> {
                     viewport,
                     chord_px: DEFAULT_CHORD_PX,
                     limits,
+                    vertex_normals: false,
                 })?
             }
         };

@@ -12,7 +12,6 @@ use super::shown::Shown;
 use super::trial::{Catch, REFUSED, Shot, Trial};
 use super::way::Way;
 use anyhow::{Context, Result, bail};
-use isophote::stage::Path;
 use pipeline::wgsl::{self, Variant};
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Write};
@@ -58,8 +57,15 @@ const TICKS: u64 = 100;
 /// spend time on making it fast (a quarter of the time, measured on llvmpipe 25.0).
 const MESA: [(&str, &str); 2] = [("MESA_SHADER_CACHE_DISABLE", "true"), ("GALLIVM_PERF", "nopt")];
 
-/// The part whose operations are asked one by one.
-const ARITHMETIC: &str = "raster/strict.wgsl";
+/// What asks a program in numbers: of a picture that is wrong little may be seen.
+type Asks = fn(&gpu::Device, &dyn Fn(Variant) -> String) -> Result<Option<String>, gpu::GpuError>;
+
+/// The parts that are asked so, what they are named by, and what asks.
+const ASKED: [(&str, &str, Asks); 3] = [
+    ("raster/strict.wgsl", "arithmetic", techniques::wrong_arithmetic),
+    ("grid/levels.wgsl", "levels", techniques::grid::wrong_levels),
+    ("grid/tiles.wgsl", "tiles", techniques::grid::wrong_levels),
+];
 
 /// How worker processes are started.
 #[derive(Debug, Clone)]
@@ -148,10 +154,10 @@ fn answer<'s>(
         Job::Mutant(mutant) => mutant.source(variant),
         Job::Sound(_) => wgsl::source(variant),
     };
-    if is_of_arithmetic(job)
-        && let Some(catch) = shown_by_numbers(device, &source)
-    {
-        return Ok(Outcome::Caught(catch));
+    for (_, cause, asks) in ASKED.iter().filter(|(file, ..)| is_of(job, file)) {
+        if let Some(catch) = shown_by_numbers(device, cause, *asks, &source) {
+            return Ok(Outcome::Caught(catch));
+        }
     }
     let mut agreed = 0;
     let is_shown = |(shown, _): &(&Shown, _)| match job {
@@ -174,19 +180,26 @@ fn answer<'s>(
     Ok(Outcome::Survived(agreed))
 }
 
-/// Whether a job is about the kernels' arithmetic: a mutant of it, or kernels as they are.
-fn is_of_arithmetic(job: &Job) -> bool {
+/// Whether a job is about a part: a mutant of it, or the sources of a way that has it, as they are.
+fn is_of(job: &Job, file: &str) -> bool {
     match job {
-        Job::Mutant(mutant) => mutant.key.file == ARITHMETIC,
-        Job::Sound(label) => Way::all().any(|way| way.path != Path::Fragment && way.label() == *label),
+        Job::Mutant(mutant) => mutant.key.file == file,
+        Job::Sound(label) => {
+            Way::all().any(|way| way.label() == *label && way.parts().iter().any(|part| part.file == file))
+        }
     }
 }
 
-/// Where that does not have Rust's bits: of this a picture shows little.
-fn shown_by_numbers(device: &gpu::Device, source: &dyn Fn(Variant) -> String) -> Option<Catch> {
-    let (cause, detail) = match techniques::wrong_arithmetic(device, &|variant| capped(&source(variant))) {
+/// Where a program does not come to Rust's numbers.
+fn shown_by_numbers(
+    device: &gpu::Device,
+    cause: &str,
+    asks: Asks,
+    source: &dyn Fn(Variant) -> String,
+) -> Option<Catch> {
+    let (cause, detail) = match asks(device, &|variant| capped(&source(variant))) {
         Ok(None) => return None,
-        Ok(Some(detail)) => ("arithmetic", detail),
+        Ok(Some(detail)) => (cause, detail),
         Err(error) => (REFUSED, error.to_string()),
     };
     Some(Catch { scene: "numbers".to_owned(), cause: cause.to_owned(), detail })

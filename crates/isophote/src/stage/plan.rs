@@ -135,7 +135,8 @@ impl Plan {
         camera: &'a Camera,
         viewport: Viewport,
     ) -> Setting<'a> {
-        Setting { model, scene, camera, viewport, chord_px: self.chord_px, limits: self.limits }
+        let Self { chord_px, limits, vertex_normals, .. } = *self;
+        Setting { model, scene, camera, viewport, chord_px, limits, vertex_normals }
     }
 
     /// A model as the rasterizers read it.

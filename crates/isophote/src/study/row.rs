@@ -84,7 +84,10 @@ fn measured(scene: &Scene, technique: &'static dyn Technique, goal: Goal) -> Res
     let Stage { model, camera, viewport, .. } = *scene.stage;
     let plan = scene.stage.plan;
     let Plan { chord_px, limits, .. } = plan;
-    let setting = Setting { model, scene: &scene.stage.scene, camera: &camera, viewport, chord_px, limits };
+    // One lot of triangles for normals of either kind.
+    let vertex_normals = false;
+    let setting =
+        Setting { model, scene: &scene.stage.scene, camera: &camera, viewport, chord_px, limits, vertex_normals };
     let (_, chord_px) = meet(technique, &setting, goal)?;
     let clock = Instant::now();
     let prepared = technique.prepare(&Setting { chord_px, ..setting })?;

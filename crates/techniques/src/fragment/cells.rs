@@ -3,7 +3,6 @@
 use crate::triangles::bounds::Bounds;
 use crate::triangles::coarsened::REFINED_TRIANGLES;
 use crate::triangles::patches::{patches_on, spans_of};
-use compare::Cell;
 use nurbs::{DerivativeBounds, Surface};
 use pipeline::PackedFrame;
 use scene::Region;
@@ -22,15 +21,16 @@ pub(super) enum Cells {
 }
 
 impl Cells {
-    /// The greatest cell of each Bézier piece. Those of the whole domain run across pieces, and nothing is known of them.
-    pub(super) fn greatest(&self, bounds: &Bounds) -> Vec<Cell> {
+    /// How each Bézier piece is cut. Cells of the whole domain run across pieces, and nothing is known of them.
+    pub(super) fn of_pieces(&self, bounds: &Bounds) -> Vec<compare::Cells> {
         let of_piece = |index: usize| match self {
-            Self::OfDomain(_) => Cell { size: [f64::INFINITY; 2], is_aligned: false },
+            Self::OfDomain(_) => compare::Cells { parts: [1, 1], sizes: vec![[f64::INFINITY; 2]] },
             Self::OfSpans(spans) => {
                 let on = bounds.spans(index);
-                let parts = [0, 1].map(|k| &spans[k][on[k]]);
-                let size = parts.map(|parts| 1.0 / (parts.len() * parts.iter().min().copied().unwrap_or(1)) as f64);
-                Cell { size, is_aligned: parts.iter().all(|parts| parts.len() == 1) }
+                let [u, v] = [0, 1].map(|k| &spans[k][on[k]]);
+                let size = |cells: &usize| 1.0 / *cells as f64;
+                let sizes = u.iter().flat_map(|u| v.iter().map(move |v| [size(u), size(v)])).collect();
+                compare::Cells { parts: [u.len(), v.len()], sizes }
             }
         };
         (0..bounds.patches.len()).map(of_piece).collect()
@@ -44,6 +44,8 @@ pub(super) struct Wanted<'a> {
     pub(super) pixels: &'a [f64],
     /// The spans in u and in v that the face comes to.
     pub(super) spans: [Range<usize>; 2],
+    /// Of each patch and each of its parts the least levels; none where normals are not the corners'.
+    pub(super) floors: &'a [Vec<[u32; 2]>],
 }
 
 impl Wanted<'_> {
@@ -52,10 +54,29 @@ impl Wanted<'_> {
         patches_on(&self.spans, self.bounds.parts[1].len())
     }
 
-    /// The fewest cells of each part of the spans in u and in v so that the chord bound of every cell is at most `chord_px`.
-    pub(super) fn cells(&self, chord_px: f64) -> [Vec<Vec<usize>>; 2] {
+    /// The fewest cells of each part of the spans in u and in v that floors up to a height leave.
+    pub(super) fn least(&self, height: u32) -> [Vec<Vec<usize>>; 2] {
         let mut cells =
             self.bounds.parts.each_ref().map(|spans| spans.iter().map(|&n| vec![1usize; n]).collect::<Vec<_>>());
+        // A patch that is out of the picture is not cut.
+        let is_seen = |index: &usize| self.pixels[*index].is_finite();
+        for (index, floors) in self.patches().filter(is_seen).filter_map(|index| Some((index, self.floors.get(index)?)))
+        {
+            let [k, l] = self.bounds.spans(index);
+            let columns = cells[1][l].len();
+            for (part, floor) in floors.iter().enumerate() {
+                let [u, v] = floor.map(|level| 1 << level.min(height));
+                let (i, j) = (part / columns, part % columns);
+                cells[0][k][i] = u.max(cells[0][k][i]);
+                cells[1][l][j] = v.max(cells[1][l][j]);
+            }
+        }
+        cells
+    }
+
+    /// The fewest cells, none fewer than so many, of each part of the spans in u and in v so that the chord bound of every cell is at
+    /// most `chord_px`.
+    pub(super) fn cells(&self, chord_px: f64, mut cells: [Vec<Vec<usize>>; 2]) -> [Vec<Vec<usize>>; 2] {
         for index in self.patches() {
             let (size, bounds) = &self.bounds.patches[index];
             let [k, l] = self.bounds.spans(index);

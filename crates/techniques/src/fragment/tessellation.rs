@@ -3,16 +3,17 @@
 use super::cells::{Cells, GREATEST_CELLS, Wanted, chord_bounds, total};
 use super::grid::{Grid, Skirt, corner, grids_of_spans, mesh};
 use crate::error::PrepareError;
+use crate::technique::Setting;
 use crate::triangles::bounds::Bounds;
-use crate::triangles::coarsened::coarsened;
+use crate::triangles::coarsened::{REFINED_TRIANGLES, coarsened};
+use crate::triangles::floor::height;
 use crate::triangles::frustum::pixels;
 use crate::triangles::patches::spans_of;
 use crate::triangles::{SKIRT_PX, cell};
-use compare::Cell;
 use nurbs::Surface;
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Parameters, SEARCHED, Vertex, in_drawing_order};
 use rayon::prelude::*;
-use scene::{Camera, Face, FaceId, Model, Viewport};
+use scene::{Face, FaceId, Model};
 
 /// Flat triangles over all faces of a scene; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -26,14 +27,14 @@ pub struct Tessellation {
     pub built_px: f64,
     /// How each face is cut into cells.
     cells: Vec<Cells>,
-    /// The greatest cell of each piece.
-    normal_cells: Vec<Vec<Cell>>,
+    /// How each piece is cut.
+    normal_cells: Vec<Vec<compare::Cells>>,
     /// Of each face that loops bound.
     skirts: Vec<Option<Skirt>>,
 }
 
 impl Tessellation {
-    /// A tessellation whose flat triangles stay within `chord_px` pixels of the surface as `camera` sees it.
+    /// A tessellation whose flat triangles stay within the chord error of the surface as the camera sees it.
     ///
     /// The bound is that of Filip, Magedson & Markot (1986) on each cell of a grid that follows the knots, from
     /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the patch's box
@@ -46,35 +47,40 @@ impl Tessellation {
     ///
     /// # Errors
     /// [`PrepareError`].
-    pub fn new(
-        model: &Model,
-        scene: &PackedScene,
-        camera: &Camera,
-        viewport: Viewport,
-        chord_px: f64,
-    ) -> Result<Self, PrepareError> {
+    pub fn new(setting: &Setting) -> Result<Self, PrepareError> {
+        let Setting { model, scene, camera, viewport, chord_px, vertex_normals, .. } = *setting;
         let pixel = pixels(camera, viewport);
         let of_surface = |surface: &Surface| {
             let patches = surface.bezier_patches();
-            (Bounds::of(&patches), patches.iter().map(&pixel).collect())
+            let bounds = Bounds::of(&patches);
+            let floors = if vertex_normals { bounds.floors(&patches) } else { vec![] };
+            (bounds, patches.iter().map(&pixel).collect(), floors)
         };
-        let surfaces: Vec<(Bounds, Vec<f64>)> = model.surfaces().par_iter().map(of_surface).collect();
+        type OfSurface = (Bounds, Vec<f64>, Vec<Vec<[u32; 2]>>);
+        let surfaces: Vec<OfSurface> = model.surfaces().par_iter().map(of_surface).collect();
         let of_face = |(id, face): (usize, &Face)| {
-            let (bounds, pixels) = &surfaces[face.surface];
+            let (bounds, pixels, floors) = &surfaces[face.surface];
             let spans = spans_of(model.region(FaceId(id as u32)), &scene.frames()[id].breaks);
-            Wanted { bounds, pixels, spans }
+            Wanted { bounds, pixels, spans, floors }
         };
         let wanted: Vec<Wanted> = model.faces().iter().enumerate().map(of_face).collect();
         let parts =
             |face: &Wanted| [0, 1].map(|k| total(&face.bounds.parts[k][face.spans[k].clone()])).iter().product::<f64>();
         let least = 4.0 * wanted.iter().map(parts).sum::<f64>();
-        let (cells, built_px) = coarsened(chord_px, least, |px| {
-            let cells: Vec<[Vec<Vec<usize>>; 2]> = wanted.par_iter().map(|face| face.cells(px)).collect();
-            let along = |spans: &[Vec<usize>]| spans.iter().map(|parts| total(parts)).sum::<f64>();
-            let of_face = |(face, cells): (&Wanted, &[Vec<Vec<usize>>; 2])| {
+        type Counts = [Vec<Vec<usize>>; 2];
+        let along = |spans: &[Vec<usize>]| spans.iter().map(|parts| total(parts)).sum::<f64>();
+        let triangles = |cells: &[Counts]| {
+            let of_face = |(face, cells): (&Wanted, &Counts)| {
                 [0, 1].map(|k| along(&cells[k][face.spans[k].clone()])).iter().product::<f64>()
             };
-            let triangles = 2.0 * wanted.iter().zip(&cells).map(of_face).sum::<f64>();
+            2.0 * wanted.iter().zip(cells).map(of_face).sum::<f64>()
+        };
+        let floors = |height: u32| wanted.par_iter().map(|face| face.least(height)).collect::<Vec<Counts>>();
+        let floors = floors(if vertex_normals { height(|height| triangles(&floors(height))) } else { 0 });
+        let (cells, built_px) = coarsened(chord_px, [least, REFINED_TRIANGLES as f64], |px| {
+            let of_face = |(face, floors): (&Wanted, &Counts)| face.cells(px, floors.clone());
+            let cells: Vec<Counts> = wanted.par_iter().zip(&floors).map(of_face).collect();
+            let triangles = triangles(&cells);
             (cells, triangles)
         })?;
         let grids = cells
@@ -152,13 +158,13 @@ impl Tessellation {
             }
             all.batch(scene.programs()[id], first);
         }
-        let greatest = |(cells, bounds): (&Cells, &&Bounds)| cells.greatest(bounds);
-        let normal_cells = cells.iter().zip(bounds).map(greatest).collect();
+        let of_pieces = |(cells, bounds): (&Cells, &&Bounds)| cells.of_pieces(bounds);
+        let normal_cells = cells.iter().zip(bounds).map(of_pieces).collect();
         Some(Self { mesh: all, chord, built_px, cells, normal_cells, skirts })
     }
 
-    /// For each face and each of its Bézier pieces the greatest cell.
-    pub fn normal_cells(&self) -> &[Vec<Cell>] {
+    /// For each face and each of its Bézier pieces how it is cut.
+    pub fn normal_cells(&self) -> &[Vec<compare::Cells>] {
         &self.normal_cells
     }
 

@@ -10,8 +10,8 @@ use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
 use bytemuck::{Pod, Zeroable};
 use gpu::groups::{PART_STRIDE, READ, UNIFORM, UNIFORM_AT, WRITE, part, whole};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, Room, SceneBuffers, SceneLayouts};
-use pipeline::Program;
-use pipeline::wgsl::Part;
+use pipeline::wgsl::{Part, Variant};
+use pipeline::{PackedScene, Program, View};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use wgpu::{BufferUsages, RenderPass, RenderPipeline, ShaderStages};
@@ -54,7 +54,6 @@ const BUNCH_CORNERS: u32 = 128;
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct AskedUniform {
     error_px: f32,
-    least: u32,
     most: u32,
     grids: u32,
     capacity: u32,
@@ -66,16 +65,16 @@ struct AskedUniform {
 /// `DrawCall` in `shaders/grid/tiles.wgsl`: what an indirect call takes, and what the vertex stage and kernels do.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct DrawCall {
+pub(super) struct DrawCall {
     indices: u32,
-    instances: u32,
+    pub(super) instances: u32,
     first_index: u32,
     base_vertex: u32,
     first_instance: u32,
-    start: u32,
+    pub(super) start: u32,
     first_grid: u32,
     end_grid: u32,
-    tiles: u32,
+    pub(super) tiles: u32,
 }
 
 impl Drawable for Grids {
@@ -98,7 +97,7 @@ impl Drawable for Grids {
 
 /// What chooses levels, and what draws the tiles that they come to.
 #[derive(Clone)]
-struct Generator {
+pub(super) struct Generator {
     buffers: Buffers,
     asked: AskedUniform,
     /// The program of each draw call.
@@ -139,7 +138,7 @@ fn corners_of(size: u32) -> u32 {
 }
 
 /// Tiles of this size that are one instance.
-fn bunch_of(size: u32) -> u32 {
+pub(super) fn bunch_of(size: u32) -> u32 {
     (BUNCH_CORNERS / corners_of(size)).max(1)
 }
 
@@ -230,8 +229,7 @@ impl Feed for Generator {
         let asked = AskedUniform {
             error_px: grids.asked.error_px,
             per_error: grids.asked.per_error,
-            least: grids.asked.levels[0],
-            most: grids.asked.levels[1],
+            most: grids.asked.most,
             grids: grids.records.len() as u32,
             draws: SIZES * grids.programs.len() as u32,
             ..Zeroable::zeroed()
@@ -349,6 +347,65 @@ impl Feed for Generator {
     }
 }
 
+/// What the kernels have written.
+pub(super) struct Chosen {
+    pub records: Vec<GridRecord>,
+    /// The grid, and its row and column in 16 bits each; as many as there is room for.
+    pub tiles: Vec<[u32; 2]>,
+    /// Those of each program and size.
+    pub calls: Vec<DrawCall>,
+}
+
+/// The kernels by themselves.
+impl Generator {
+    /// Those of the first program of a scene, by this source.
+    pub(super) fn of(
+        device: &Device,
+        scene: &PackedScene,
+        grids: &Grids,
+        source: &dyn Fn(Variant) -> String,
+    ) -> Result<Self, GpuError> {
+        let (program, trims) = (scene.programs()[0], scene.trim_method());
+        let variant = Variant { parts: PARTS, program, curvature: false, vertex_normals: false, trims };
+        let modules = Modules::from([(program, device.module(program, source(variant))?)]);
+        let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, Default::default())?;
+        let mut generator = Self::new(device, grids)?;
+        generator.prepare(device, &buffers.layouts, &modules)?;
+        Ok(generator)
+    }
+
+    /// What they choose in these views, with the room that they have.
+    pub(super) fn choose(&self, device: &Device, scene: &PackedScene, views: &[View]) -> Result<Chosen, GpuError> {
+        const CHOOSING: &str = "choosing levels";
+        let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, Default::default())?;
+        buffers.write_views(device, views)?;
+        let encoder = device.guarded(CHOOSING, || {
+            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
+            self.before(&mut encoder, &buffers, 0);
+            encoder
+        })?;
+        device.submit(CHOOSING, encoder)?;
+        let mut records: Vec<GridRecord> = vec![Zeroable::zeroed(); self.asked.grids as usize];
+        let mut calls: Vec<DrawCall> = vec![Zeroable::zeroed(); self.asked.draws as usize];
+        let mut tiles = vec![[0u32; 2]; self.room.capacity as usize];
+        let read = |buffer: &wgpu::Buffer, out: &mut [u8]| device.read_buffer(CHOOSING, buffer, 0, out);
+        read(&self.buffers.grids, bytemuck::cast_slice_mut(&mut records))?;
+        read(&self.buffers.calls, bytemuck::cast_slice_mut(&mut calls))?;
+        read(&self.room.tiles, bytemuck::cast_slice_mut(&mut tiles))?;
+        Ok(Chosen { records, tiles, calls })
+    }
+
+    /// Whether there was too little room, and is enough now.
+    pub(super) fn has_grown(&mut self, device: &Device) -> Result<bool, GpuError> {
+        let Some(needed) = self.room().map(|room| room.lacking(device)).transpose()?.flatten() else {
+            return Ok(false);
+        };
+        self.make_room(needed);
+        *self = self.frame(device)?;
+        Ok(true)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -356,8 +413,8 @@ mod tests {
     use crate::technique::Setting;
     use glam::DVec3;
     use naga::{Expression, Literal, TypeInner};
-    use pipeline::wgsl::{Variant, source};
-    use pipeline::{PackedScene, Scheme, TrimMethod, View};
+    use pipeline::wgsl::source;
+    use pipeline::{Scheme, TrimMethod};
     use scene::{Camera, Projection, Viewport};
 
     #[test]
@@ -417,8 +474,11 @@ mod tests {
         let viewport = Viewport::new(96, 72).unwrap();
         let names = ["teapot", "rational", "islands", "spray", "pieces"];
         // At level 1 the error is not kept anywhere near, and skirts are wider.
-        for (name, level) in names.map(|name| (name, GREATEST_LEVEL)).into_iter().chain([("teapot", 1), ("islands", 1)])
-        {
+        let coarse = [("teapot", 1, false), ("islands", 1, false)];
+        // Normals at corners ask for least levels.
+        let floored = [("teapot", GREATEST_LEVEL, true), ("weights-1000", GREATEST_LEVEL, true), ("torus", 1, true)];
+        let fine = names.map(|name| (name, GREATEST_LEVEL, false));
+        for (name, level, vertex_normals) in fine.into_iter().chain(coarse).chain(floored) {
             let model = models::builtin(name).unwrap();
             let scene = PackedScene::new(&model, Scheme::Specialised).unwrap();
             let framed = Camera::framing(&model, viewport);
@@ -426,13 +486,28 @@ mod tests {
             let inside = Camera::look_at(near, model.hull().max, DVec3::Z, Projection::Perspective { fov_deg: 60.0 });
             let flat = Camera::look_at(near, model.hull().center(), DVec3::X, Projection::Orthographic { height: 1.0 });
             let limits = Limits { level, ..Limits::default() };
-            let setting = Setting { model: &model, scene: &scene, camera: &framed, viewport, chord_px: 0.3, limits };
+            let setting = Setting {
+                model: &model,
+                scene: &scene,
+                camera: &framed,
+                viewport,
+                chord_px: 0.3,
+                limits,
+                vertex_normals,
+            };
             let grids = Grids::new(&setting).unwrap();
             assert_eq!(grids.built_px > 0.3, level == 1, "{name}");
+            assert_eq!(grids.measures.iter().any(|measure| measure.floor != 0), vertex_normals, "{name}");
             for camera in [framed, inside.unwrap(), flat.unwrap()] {
                 let views = scene.views(&model, &camera, viewport);
                 let expected = grids.seen(&scene, &views);
-                let (records, tiles, calls) = placed(&device, &scene, &grids, &views);
+                let mut generator = Generator::of(&device, &scene, &grids, &source).unwrap();
+                let Chosen { records, tiles, calls } = loop {
+                    let chosen = generator.choose(&device, &scene, &views).unwrap();
+                    if !generator.has_grown(&device).unwrap() {
+                        break chosen;
+                    }
+                };
                 assert!(records == expected.records, "{name}");
                 assert!(expected.tiles.iter().all(|tile| tile.grid < grids.records.len() as u32));
                 let mut drawn = vec![];
@@ -444,40 +519,5 @@ mod tests {
                 assert!(drawn == expected, "{name}: {} tiles, not {}", drawn.len(), expected.len());
             }
         }
-    }
-
-    /// What the kernels write, once they have room.
-    fn placed(
-        device: &Device,
-        scene: &PackedScene,
-        grids: &Grids,
-        views: &[View],
-    ) -> (Vec<GridRecord>, Vec<[u32; 2]>, Vec<DrawCall>) {
-        let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, Default::default()).unwrap();
-        buffers.write_views(device, views).unwrap();
-        let mut generator = Generator::new(device, grids).unwrap();
-        let program = scene.programs()[0];
-        let trims = scene.trim_method();
-        let variant = Variant { parts: PARTS, program, curvature: false, vertex_normals: false, trims };
-        let modules = Modules::from([(program, device.module(program, source(variant)).unwrap())]);
-        generator.prepare(device, &buffers.layouts, &modules).unwrap();
-        loop {
-            generator = generator.frame(device).unwrap();
-            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
-            generator.before(&mut encoder, &buffers, 0);
-            device.submit("choosing", encoder).unwrap();
-            match generator.room().and_then(|room| room.lacking(device).unwrap()) {
-                Some(needed) => generator.make_room(needed),
-                None => break,
-            }
-        }
-        let mut records: Vec<GridRecord> = vec![Zeroable::zeroed(); grids.records.len()];
-        let mut calls: Vec<DrawCall> = vec![Zeroable::zeroed(); generator.asked.draws as usize];
-        let mut tiles = vec![[0u32; 2]; generator.room.capacity as usize];
-        let read = |buffer: &wgpu::Buffer, out: &mut [u8]| device.read_buffer("reading", buffer, 0, out).unwrap();
-        read(&generator.buffers.grids, bytemuck::cast_slice_mut(&mut records));
-        read(&generator.buffers.calls, bytemuck::cast_slice_mut(&mut calls));
-        read(&generator.room.tiles, bytemuck::cast_slice_mut(&mut tiles));
-        (records, tiles, calls)
     }
 }

@@ -11,8 +11,9 @@ use crate::technique::Setting;
 use crate::triangles::bounds::{part_counts, parts_of};
 use crate::triangles::cell;
 use crate::triangles::coarsened::coarsened;
+use crate::triangles::floor::{floor, height};
 use crate::triangles::patches::spans_of;
-use compare::Cell;
+use compare::Cells;
 use nurbs::{BezierPatch, DerivativeBounds, Hull, Surface};
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Program, RATIONAL, Vertex, View};
 use rayon::prelude::*;
@@ -39,8 +40,8 @@ pub struct Grids {
     /// For each face and each of its Bézier pieces the greatest distance in model units from a point of a flat triangle to S at
     /// its parameters.
     pub chord: Vec<Vec<f64>>,
-    /// Of each of them the greatest cell.
-    pub cells: Vec<Vec<Cell>>,
+    /// How each of them is cut.
+    pub cells: Vec<Vec<Cells>>,
 }
 
 /// The grids of one picture; none by default.
@@ -62,6 +63,8 @@ struct Measured {
     /// Number of its patch among the surface's, row-major in u.
     patch: usize,
     bounds: DerivativeBounds,
+    /// Least levels that normals at corners ask for; each 0 where normals are not theirs.
+    floor: [u32; 2],
     /// A box that holds its whole patch: the chord is one number for all parts of a patch, so all are as far away.
     hull: Hull,
 }
@@ -101,7 +104,7 @@ impl Measured {
             half,
             skirts: skirts(model, scene, id, &self.part),
             bend: bend.map(|x| outward(x / (8.0 * frame.scale))),
-            padding: 0,
+            floor: Measure::packed_floor(self.floor),
             groups: groups.map(|group| group as u32),
         }
     }
@@ -113,7 +116,7 @@ fn outward(x: f64) -> f32 {
 }
 
 impl SurfaceParts {
-    fn new(surface: &Surface) -> Self {
+    fn new(surface: &Surface, vertex_normals: bool) -> Self {
         let patches = surface.bezier_patches();
         let counts = part_counts(&patches);
         let columns = counts[1].len();
@@ -125,8 +128,9 @@ impl SurfaceParts {
                 let size = count.map(|count| 1.0 / count as f32);
                 let from = [0, 1].map(|k| at[k] as f32 * size[k]);
                 let bounds = part.derivative_bounds();
+                let floor = if vertex_normals { floor(&part) } else { [0, 0] };
                 let part = Part { span: span.map(|k| k as u32), from, size, patch: part };
-                Measured { part, patch, bounds, hull }
+                Measured { part, patch, bounds, floor, hull }
             };
             parts_of(whole, count).into_iter().enumerate().map(measured).collect()
         };
@@ -158,8 +162,11 @@ impl Grids {
     /// # Errors
     /// [`PrepareError`].
     pub fn new(setting: &Setting) -> Result<Self, PrepareError> {
-        let Setting { model, scene, camera, viewport, chord_px, limits } = *setting;
-        let surfaces: Vec<SurfaceParts> = model.surfaces().par_iter().map(SurfaceParts::new).collect();
+        let Setting { model, scene, camera, viewport, chord_px, limits, vertex_normals } = *setting;
+        let surfaces: Vec<SurfaceParts> = {
+            let of_surface = |surface: &Surface| SurfaceParts::new(surface, vertex_normals);
+            model.surfaces().par_iter().map(of_surface).collect()
+        };
         let faces = faces(model, scene, &surfaces);
         let joints = Joints::new(
             &faces.iter().map(|face| face.parts(model, scene)).collect::<Vec<_>>(),
@@ -173,7 +180,7 @@ impl Grids {
         // Within a program in the order of faces.
         placed.sort_by_key(|placed| scene.programs()[placed.record.face as usize]);
         let records: Vec<GridRecord> = placed.iter().map(|placed| placed.record).collect();
-        let measures = placed.iter().map(|placed| placed.measure).collect();
+        let measures: Vec<Measure> = placed.iter().map(|placed| placed.measure).collect();
         let programs = programs(scene, &records);
         let views = scene.views(model, camera, viewport);
         let least = 4 * records.len();
@@ -181,12 +188,19 @@ impl Grids {
             return Err(PrepareError::TooManyTriangles { chord_px });
         }
         let mut grids = Self { records, measures, programs, views, ..Self::default() };
-        let ((records, chosen), kept_px) = coarsened(chord_px, least as f64, |px| {
-            grids.asked = Asked::new(px, limits.level.min(GREATEST_LEVEL));
+        let most = limits.level.min(GREATEST_LEVEL);
+        if vertex_normals {
+            grids.asked = Asked::new(f64::INFINITY, most);
+            height(|height| {
+                grids.lower_floors(&placed, height.min(most));
+                triangles(&grids.settled(&grids.views).0)
+            });
+        }
+        let ((records, chosen), kept_px) = coarsened(chord_px, [least, limits.triangles].map(|n| n as f64), |px| {
+            grids.asked = Asked::new(px, most);
             let (records, chosen) = grids.settled(&grids.views);
-            let cells = records.iter().map(|record| record.cells().map(|n| n as usize).iter().product::<usize>());
-            let triangles = 2 * cells.sum::<usize>();
-            ((records, chosen), triangles as f64)
+            let triangles = triangles(&records);
+            ((records, chosen), triangles)
         })?;
         let short = chosen.iter().filter(|chosen| chosen.is_seen).map(|chosen| chosen.short).fold(1.0, f32::max);
         grids.built_px = kept_px * f64::from(short);
@@ -200,6 +214,13 @@ impl Grids {
         Picture::new(scene, views, &self.programs, self.settled(views).0)
     }
 
+    /// Gives each grid its floor up to a height.
+    fn lower_floors(&mut self, placed: &[Placed], height: u32) {
+        for (measure, placed) in self.measures.iter_mut().zip(placed) {
+            measure.floor = Measure::packed_floor(placed.measure.least().map(|level| level.min(height)));
+        }
+    }
+
     /// Whether the picture is that of these views.
     pub fn is_of(&self, views: &[View]) -> bool {
         self.views == views
@@ -208,6 +229,11 @@ impl Grids {
     fn settled(&self, views: &[View]) -> (Vec<GridRecord>, Vec<Chosen>) {
         settled(&self.records, &self.measures, views, &self.asked)
     }
+}
+
+/// Triangles of settled records.
+fn triangles(records: &[GridRecord]) -> f64 {
+    2.0 * records.iter().map(|record| record.cells().map(f64::from).iter().product::<f64>()).sum::<f64>()
 }
 
 impl Picture {
@@ -337,13 +363,13 @@ fn programs(scene: &PackedScene, records: &[GridRecord]) -> Vec<(Program, Range<
     records.chunk_by(|a, b| program(a) == program(b)).map(of_run).collect()
 }
 
-/// Of each Bézier piece of each face the chord and the greatest cell, by the levels that each patch asks for alone, seen or not:
-/// borders make cells shorter. Both are 0 where the face does not come to.
+/// Of each Bézier piece of each face the chord and the greatest cells of its parts, by the levels that each patch asks for alone, seen
+/// or not: borders make cells shorter. All are 0 where the face does not come to.
 ///
 /// To the bound on cells the chord adds what f32 makes of corners: of the basis functions, which are sums of products of what is
 /// not negative, 10 roundings a degree; of the sums over control points, which are at most 1, one a term; and as much for the
 /// weights' sum. What lies on a shared border is evaluated in another face's units.
-fn of_pieces(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> (Vec<Vec<f64>>, Vec<Vec<Cell>>) {
+fn of_pieces(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> (Vec<Vec<f64>>, Vec<Vec<Cells>>) {
     const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
     let rounding = |face: u32| {
         let f = &scene.faces()[face as usize];
@@ -351,9 +377,9 @@ fn of_pieces(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> (Vec<
         let of_weights = if f.flags & RATIONAL != 0 { 2.0 } else { 1.0 };
         (11.0 * degrees + 8.0) * of_weights * UNIT * scene.frames()[face as usize].scale
     };
-    let none = Cell { size: [0.0; 2], is_aligned: true };
     let mut chords: Vec<Vec<f64>> = scene.frames().iter().map(|frame| vec![0.0; frame.pieces()]).collect();
-    let mut cells: Vec<Vec<Cell>> = scene.frames().iter().map(|frame| vec![none; frame.pieces()]).collect();
+    let mut cells: Vec<Vec<Cells>> =
+        scene.frames().iter().map(|frame| vec![Cells::in_parts([1, 1]); frame.pieces()]).collect();
     for (Placed { record, measured, .. }, Chosen { level, .. }) in placed.iter().zip(chosen) {
         let borders = record.borders.iter().map(|border| border.face);
         let faces = borders.chain(record.corners.iter().map(|corner| corner.face)).chain([record.face]);
@@ -364,8 +390,13 @@ fn of_pieces(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> (Vec<
         let chord = measured.chord(*level) + rounding + f64::from(f32::EPSILON) * speed;
         let (face, patch) = (record.face as usize, measured.patch);
         chords[face][patch] = chord.max(chords[face][patch]);
-        let cell = &mut cells[face][patch].size;
-        (0..2).for_each(|k| cell[k] = cell[k].max(size[k] / f64::from(1u32 << level[k])));
+        let cells = &mut cells[face][patch];
+        let parts = size.map(|size| (1.0 / size).round() as usize);
+        if cells.parts != parts {
+            *cells = Cells::in_parts(parts);
+        }
+        let at = [0, 1].map(|k| (f64::from(measured.part.from[k]) * parts[k] as f64).round() as usize);
+        cells.sizes[at[0] * parts[1] + at[1]] = level.map(|level| 1.0 / f64::from(1u32 << level));
     }
     (chords, cells)
 }

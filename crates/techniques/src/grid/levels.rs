@@ -26,15 +26,15 @@ pub struct Asked {
     pub error_px: f32,
     /// The reciprocal of it: on a GPU a quotient is not the same to the bit, a product is.
     pub per_error: f32,
-    /// The least and the greatest level that may be chosen.
-    pub levels: [u32; 2],
+    /// The greatest level that may be chosen.
+    pub most: u32,
 }
 
 impl Asked {
     /// So many pixels at most, by levels up to `most`.
     pub fn new(error_px: f64, most: u32) -> Self {
         let error_px = error_px as f32;
-        Self { error_px, per_error: 1.0 / error_px, levels: [0, most] }
+        Self { error_px, per_error: 1.0 / error_px, most }
     }
 }
 
@@ -77,7 +77,7 @@ pub fn chosen(measure: &Measure, view: &View, asked: &Asked) -> Chosen {
     let nearest = range(w, measure)[0].max(NEAREST_SHARE * measure.diagonal * forward);
     let pixel = view.units[3] * nearest;
     let allowed = asked.error_px * pixel;
-    let level = level(measure.bend, allowed, asked.levels);
+    let level = level(measure.bend, allowed, measure.least(), asked.most);
     let off = chord(measure.bend, level);
     let widened = off * asked.per_error;
     if off > allowed && widened <= f32::MAX {
@@ -87,9 +87,9 @@ pub fn chosen(measure: &Measure, view: &View, asked: &Asked) -> Chosen {
     }
 }
 
-/// The least levels, the direction that gains more first, whose cells are off by so much at most.
-fn level(bend: [f32; 3], allowed: f32, [least, most]: [u32; 2]) -> [u32; 2] {
-    let mut level = [least, least];
+/// The least levels from a floor on, the direction that gains more first, whose cells are off by so much at most.
+fn level(bend: [f32; 3], allowed: f32, floor: [u32; 2], most: u32) -> [u32; 2] {
+    let mut level = floor;
     while chord(bend, level) > allowed && level[0].min(level[1]) < most {
         let finer = [chord(bend, [level[0] + 1, level[1]]), chord(bend, [level[0], level[1] + 1])];
         let is_v = level[0] == most || (level[1] < most && finer[1] < finer[0]);

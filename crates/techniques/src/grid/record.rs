@@ -83,10 +83,22 @@ pub struct Measure {
     pub skirts: u32,
     /// |S_uu|, 2 |S_uv| and |S_vv| at most, over 8, by parameters that are 0 … 1 across the patch.
     pub bend: [f32; 3],
-    /// Unused.
-    pub padding: u32,
+    /// The least levels that it may have, whatever the view: along u in the lower 16 bits, along v above.
+    pub floor: u32,
     /// The groups of borders that its sides are of, as [`GridRecord::borders`].
     pub groups: [u32; 4],
+}
+
+impl Measure {
+    /// Its least levels along u and along v, as [`Self::floor`] has them.
+    pub fn packed_floor([u, v]: [u32; 2]) -> u32 {
+        u | v << 16
+    }
+
+    /// [`Self::floor`], along u and along v.
+    pub fn least(&self) -> [u32; 2] {
+        [self.floor & 0xffff, self.floor >> 16]
+    }
 }
 
 impl GridRecord {

@@ -1,5 +1,6 @@
 //! Bounds of a surface's derivatives over its Bézier patches, from which the cells of a tessellation are counted.
 
+use super::floor::floor;
 use nurbs::{BezierPatch, DerivativeBounds};
 
 /// Bounds of the derivatives of a surface's Bézier patches, part by part: of a patch with a large weight they differ by orders of
@@ -29,6 +30,16 @@ impl Bounds {
         };
         let patches = patches.iter().enumerate().map(of_patch).collect();
         Self { parts, patches }
+    }
+
+    /// Of each of these patches, whose surface they are, and each of its parts, row-major in u, the least levels by which normals at
+    /// corners are known between them.
+    pub fn floors(&self, patches: &[BezierPatch]) -> Vec<Vec<[u32; 2]>> {
+        let of_patch = |(index, patch): (usize, &BezierPatch)| {
+            let [k, l] = self.spans(index);
+            parts_of(patch, [self.parts[0][k], self.parts[1][l]]).iter().map(floor).collect()
+        };
+        patches.iter().enumerate().map(of_patch).collect()
     }
 
     /// The spans of a patch, by their places in the lists of parts.

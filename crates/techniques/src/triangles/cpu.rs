@@ -7,7 +7,7 @@ use raster::Drawing;
 use raster::bins::Bins;
 use raster::coverage::{covers, for_each_covered};
 use raster::depth::DepthTile;
-use raster::geometry::Geometry;
+use raster::geometry::{Attributes, Geometry};
 use raster::rect::Rect;
 use raster::setup::Triangle;
 use raster::visibility::{Carried, Run, Samples, Seen, Visibility, of_pixel};
@@ -30,6 +30,15 @@ impl<'a> Triangles<'a> {
 
     fn set_up(&self, id: u32) -> Triangle {
         Triangle::new(self.geometry.corners(id), [0.0; 2]).expect("what has no area is in no bin")
+    }
+
+    /// What a triangle carries to where it has these weights, and so this place.
+    fn carried(&self, triangle: &Triangle, weights: [f32; 3], attributes: &Attributes, place: Parameters) -> Carried {
+        if cut::is_on_skirt(&self.drawing, attributes.face, place) {
+            return Carried::Nothing;
+        }
+        let normal = triangle.interpolate(weights, attributes.normal);
+        Carried::Point { normal, depth: triangle.carried_depth(weights) }
     }
 }
 
@@ -84,8 +93,7 @@ impl Visibility for Triangles<'_> {
                 let shown = cut::shown(drawing, attributes.face, place, [x as f32 + 0.5, y as f32 + 0.5]);
                 run.places.push(shown);
                 if drawing.options.vertex_normals {
-                    let depth = (shown == place).then(|| triangle.carried_depth(weights));
-                    run.carried.push(Carried { normal: triangle.interpolate(weights, attributes.normal), depth });
+                    run.carried.push(self.carried(&triangle, weights, &attributes, place));
                 }
             }
             run.pixels.extend_from_slice(seen);
@@ -130,10 +138,8 @@ impl Samples for Positions<'_> {
             let is_drawn = depth > 0.0 && cut::is_drawn(drawing, face, place, at);
             is_drawn.then(|| {
                 let shown = cut::shown(drawing, face, place, at);
-                let carried = drawing.options.vertex_normals.then(|| Carried {
-                    normal: triangle.interpolate(weights, attributes.normal),
-                    depth: (shown == place).then(|| triangle.carried_depth(weights)),
-                });
+                let carried = self.triangles.carried(&triangle, weights, &attributes, place);
+                let carried = drawing.options.vertex_normals.then_some(carried);
                 Seen { face, place: shown, carried, depth }
             })
         };

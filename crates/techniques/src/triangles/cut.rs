@@ -66,6 +66,12 @@ pub fn is_drawn(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2]) -
     !is_bounded(drawing, face) || covers(drawing, face, place, &tangent_plane(drawing.scene, face, place), at)
 }
 
+/// Whether a fragment of a face is on its skirt: there it shows the surface's own point, wherever it settles.
+pub fn is_on_skirt(drawing: &Drawing, face: u32, place: Parameters) -> bool {
+    let face = &drawing.scene.faces()[face as usize];
+    face.flags & BOUNDED != 0 && pipeline::fragment::is_on_skirt(face, place)
+}
+
 /// Where a fragment of a face, interpolated at picture position `at`, shows it.
 pub fn shown(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2]) -> Parameters {
     if is_bounded(drawing, face) {

@@ -88,7 +88,15 @@ fn count(scene: &TeaScene, plan: Plan, viewport: Viewport, techniques: &[&'stati
             let mut total = 0;
             for camera in &cameras {
                 let limits = of_paper(level);
-                let setting = Setting { model: &model, scene: &packed, camera, viewport, chord_px, limits };
+                let setting = Setting {
+                    model: &model,
+                    scene: &packed,
+                    camera,
+                    viewport,
+                    chord_px,
+                    limits,
+                    vertex_normals: false,
+                };
                 total += technique.prepare(&setting)?.triangles();
             }
             Ok(thousands(total) / VIEWS as f64)
