@@ -26,7 +26,7 @@ pub struct Limits {
     /// within a patch as well.
     pub batch: Option<u32>,
     /// Triangles up to which the error asked for decides: one that takes more is doubled until it does not. Technique `fragment` keeps to
-    /// [`REFINED_TRIANGLES`].
+    /// `REFINED_TRIANGLES`.
     pub triangles: usize,
 }
 

@@ -38,7 +38,7 @@ impl Tessellation {
     ///
     /// The bound is that of Filip, Magedson & Markot (1986) on each cell of a grid that follows the knots, from
     /// second derivatives bounded over the cell's Bézier patch, seen at the nearest depth of the patch's box
-    /// ([`Camera::pixel_at`]). A patch that is out of the picture is not cut. Where the bound asks for over four million
+    /// (`Camera::pixel_at`). A patch that is out of the picture is not cut. Where the bound asks for over four million
     /// triangles the chord error is doubled until it does not: [`Self::built_px`].
     ///
     /// A face that loops bound has a skirt: its triangles go on beyond the domain's border, straight away from it as the camera
