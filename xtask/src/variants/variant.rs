@@ -44,6 +44,7 @@ fn rewritten(program: &str, propose: fn(&Text) -> Vec<Edit>, random: &mut Random
 fn renamed(program: &str, called: &[&str], random: &mut Random) -> String {
     let text = Text::new(program);
     let mut names = BTreeSet::new();
+    let (mut functions, mut with_arguments) = (BTreeSet::new(), BTreeSet::new());
     let mut kept: BTreeSet<&str> = called.iter().copied().collect();
     let mut members = vec![false; text.tokens.len()];
     let mut is_entry = false;
@@ -65,6 +66,7 @@ fn renamed(program: &str, called: &[&str], random: &mut Random) -> String {
             }
             "fn" => {
                 (if is_entry { &mut kept } else { &mut names }).insert(text.word(i + 1));
+                functions.insert(text.word(i + 1));
                 is_entry = false;
                 let close = text.closing(i + 2).unwrap_or(i);
                 names.extend((i + 3..close).filter(|&k| text.word(k + 1) == ":").map(|k| text.word(k)));
@@ -80,9 +82,14 @@ fn renamed(program: &str, called: &[&str], random: &mut Random) -> String {
                 let end = (i + 1..text.tokens.len()).find(|&k| text.word(k) == ">").unwrap_or(i);
                 names.insert(text.word(if list { end + 1 } else { i + 1 }));
             }
+            _ if text.word(i + 1) == "(" => {
+                with_arguments.insert(word);
+            }
             _ => {}
         }
     }
+    // A local may be called as a function of the language is; elsewhere in the program that function keeps its name.
+    kept.extend(with_arguments.difference(&functions));
     let salt = random.bits() & 0xffff;
     let names: BTreeMap<&str, String> =
         names.difference(&kept).enumerate().map(|(k, name)| (*name, format!("w{k}_{salt:x}"))).collect();
