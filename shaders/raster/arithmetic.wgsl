@@ -19,6 +19,7 @@ struct Results {
     wide_difference: Wide,
     rounded: f32,
     approximate: f32,
+    product_and_sum: f32,
 }
 
 @group(1) @binding(0) var<storage, read> operands: array<Operands>;
@@ -45,5 +46,6 @@ fn operate(@builtin(global_invocation_id) id: vec3<u32>) {
         wide_difference(first, Wide(given.j, given.b)),
         rounded(positive),
         approximate(signed),
+        sum(kept(product(a, b)), a),
     );
 }

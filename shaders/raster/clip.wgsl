@@ -32,13 +32,9 @@ fn distance_to(plane: u32, clip: vec4<f32>) -> f32 {
 }
 
 fn is_inside(clip: vec4<f32>) -> bool {
-    for (var plane = 0u; plane < 6u; plane++) {
-        // Not a number is not inside.
-        if (!(distance_to(plane, clip) >= 0.0)) {
-            return false;
-        }
-    }
-    return true;
+    // Not a number is not inside.
+    return distance_to(0u, clip) >= 0.0 && distance_to(1u, clip) >= 0.0 && distance_to(2u, clip) >= 0.0
+        && distance_to(3u, clip) >= 0.0 && distance_to(4u, clip) >= 0.0 && distance_to(5u, clip) >= 0.0;
 }
 
 // The part of a triangle inside all planes.

@@ -42,7 +42,8 @@ struct Call {
 @group(1) @binding(0) var<storage, read> mesh: array<u32>;
 // A vertex: x and y in the picture, depth, 1 / w.
 @group(1) @binding(1) var<storage, read_write> corners: array<vec4<f32>>;
-// Whether a subnormal number was to be multiplied, then counts, then triangles that wait: large ones from the front on, cut ones from the back; then questions that wait.
+// Whether a subnormal number was met; then counts; then triangles that wait, large ones from the front on, cut ones from the back;
+// then questions that wait.
 @group(1) @binding(3) var<storage, read_write> queue: array<atomic<u32>>;
 @group(1) @binding(4) var<uniform> call: Call;
 
@@ -128,10 +129,11 @@ fn cover_small(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
         atomicStore(&queue[call.waiting + slot], triangle);
         return;
     }
+    let piece = whole_piece(t);
     for (var y = t.first.y; y < t.end.y; y++) {
         let columns = columns_of(t, y);
         for (var x = columns.x; x < columns.y; x++) {
-            cover(whole_piece(t), triangle, vec2<i32>(x, y));
+            cover(piece, triangle, vec2<i32>(x, y));
         }
     }
 }
@@ -190,10 +192,7 @@ fn cover_shared(piece: Piece, triangle: u32, k: u32, threads: u32) {
     }
 }
 
-// What the corners of a triangle that is not cut carry of its own.
-const WHOLE: mat3x3<f32> = mat3x3<f32>(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
-
-// A triangle, or a part of a cut one: what each of its corners carries of the whole one's, and its own u and v where it is a part.
+// A triangle, or a part of a cut one: then also what each of its corners carries of the whole one's, and its own u and v.
 struct Piece {
     t: Flat,
     is_part: bool,
@@ -203,7 +202,7 @@ struct Piece {
 }
 
 fn whole_piece(t: Flat) -> Piece {
-    return Piece(t, false, vec3<f32>(), vec3<f32>(), WHOLE);
+    return Piece(t, false, vec3<f32>(), vec3<f32>(), mat3x3<f32>());
 }
 
 fn polygon_of(triangle: u32) -> Polygon {
@@ -373,9 +372,15 @@ fn order_of(depth: f32) -> u32 {
 
 fn sample_of(piece: Piece, triangle: u32, weights: vec3<f32>, pixel: vec2<i32>) -> Sample {
     let corners = vertices_of(triangle);
-    let u = select(numbers_of(corners, 3u), piece.u, piece.is_part);
-    let v = select(numbers_of(corners, 4u), piece.v, piece.is_part);
-    let of_whole = piece.share[0] * weights.x + piece.share[1] * weights.y + piece.share[2] * weights.z;
+    var u = piece.u;
+    var v = piece.v;
+    var of_whole = weights;
+    if (piece.is_part) {
+        of_whole = piece.share[0] * weights.x + piece.share[1] * weights.y + piece.share[2] * weights.z;
+    } else {
+        u = numbers_of(corners, 3u);
+        v = numbers_of(corners, 4u);
+    }
     var in: Sample;
     in.face = face_of(corners.x);
     in.given = Parameters(span_at(corners.x), vec2<f32>(mixed(u, weights), mixed(v, weights)));
@@ -398,13 +403,6 @@ fn carried_at(vertices: vec3<u32>, word: u32, weights: vec3<f32>) -> vec3<f32> {
         mixed(numbers_of(vertices, word + 1u), weights),
         mixed(numbers_of(vertices, word + 2u), weights),
     );
-}
-
-// The weighted mean of what three corners carry, from the first one's on: equal ones give that exactly.
-fn mixed(corners: vec3<f32>, weights: vec3<f32>) -> f32 {
-    let sum = weights.x + weights.y + weights.z;
-    let a = corners.x;
-    return a + (weights.y * (corners.y - a) + weights.z * (corners.z - a)) / sum;
 }
 
 // What a pixel sees, if that is of this call.
@@ -432,23 +430,26 @@ fn seen_at(at: vec2<u32>) -> Seen {
     }
     let pixel = vec2<i32>(at);
     let placed = corners_of(vertices_of(triangle));
-    var piece: Piece;
-    if (is_cut(placed)) {
-        let polygon = polygon_of(triangle);
-        for (var k = 2u; k < polygon.count; k++) {
-            let tried = piece_of(polygon, k);
-            let values = values_at(tried.t, pixel);
-            if (tried.t.is_seen && values.covered && order_of(depth_at(tried.t, values.rounded)) == order_at(index)) {
-                piece = tried;
-                break;
-            }
-        }
-    } else {
-        piece = whole_piece(set_up(placed, size_in_pixels()));
-    }
     found.is_there = true;
-    found.in = sample_of(piece, triangle, weights_at(piece.t, pixel, values_at(piece.t, pixel).rounded), pixel);
+    if (!is_cut(placed)) {
+        found.in = sample_at(whole_piece(set_up(placed, size_in_pixels())), triangle, pixel);
+        return found;
+    }
+    let polygon = polygon_of(triangle);
+    for (var k = 2u; k < polygon.count; k++) {
+        let piece = piece_of(polygon, k);
+        let values = values_at(piece.t, pixel);
+        if (piece.t.is_seen && values.covered && order_of(depth_at(piece.t, values.rounded)) == order_at(index)) {
+            found.in = sample_at(piece, triangle, pixel);
+            break;
+        }
+    }
     return found;
+}
+
+// What a piece shows at a pixel that it covers.
+fn sample_at(piece: Piece, triangle: u32, pixel: vec2<i32>) -> Sample {
+    return sample_of(piece, triangle, weights_at(piece.t, pixel, values_at(piece.t, pixel).rounded), pixel);
 }
 
 // A thread a pixel.

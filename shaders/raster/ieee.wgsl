@@ -2,9 +2,9 @@
 // below the least normal one. crates/gpu/src/ieee.rs puts these functions in the place of the operators.
 // Uses raster/strict.wgsl, and `raise_subnormal` of the program.
 
-// Whether subnormal numbers, those below the least normal one, are multiplied. That takes most of the code. Otherwise such a product
-// is raised, and the picture is drawn again.
-override MULTIPLIES_SUBNORMALS: bool = true;
+// Whether subnormal numbers, those below the least normal one, are computed. That takes most of the code. Otherwise what may be one,
+// or be made of one, is raised, and the picture is drawn again.
+override COMPUTES_SUBNORMALS: bool = true;
 
 // 2^-100: what is at least as large is summed by the adapter itself.
 const SMALL: u32 = 0x0d800000u;
@@ -26,6 +26,13 @@ fn ieee_sum(a: f32, b: f32) -> f32 {
         return s;
     }
     let greatest = max(bitcast<u32>(a) & MAGNITUDE, bitcast<u32>(b) & MAGNITUDE);
+    if (!COMPUTES_SUBNORMALS) {
+        // Of a number of at least 2^-100 and another, a sum below is zero or normal.
+        if (greatest != 0u && greatest < SMALL) {
+            raise_subnormal();
+        }
+        return s;
+    }
     if (greatest >= MODERATE) {
         return s;
     }
@@ -77,11 +84,9 @@ fn ieee_product(a: f32, b: f32) -> f32 {
     if (of_a == 0u || of_b == 0u) {
         return bitcast<f32>(sign);
     }
-    if (!MULTIPLIES_SUBNORMALS) {
-        if (min(of_a, of_b) < LEADING) {
+    if (!COMPUTES_SUBNORMALS) {
+        if ((bitcast<u32>(p) & MAGNITUDE) <= LEADING) {
             raise_subnormal();
-        } else if ((bitcast<u32>(p) & MAGNITUDE) <= LEADING) {
-            return bitcast<f32>(sign | subnormal_product(of_a, of_b));
         }
         return p;
     }
@@ -95,25 +100,6 @@ fn ieee_product(a: f32, b: f32) -> f32 {
     return bitcast<f32>(sign | packed(x.exponent + y.exponent - 148 + i32(shift), high, 2u, rest));
 }
 
-// Bits of a product that is at most the least normal number, of normal numbers.
-fn subnormal_product(a: u32, b: u32) -> u32 {
-    // Mantissas of 24 bits, in halves: the product has 24 high bits or 23, and 24 low ones.
-    let x = vec2<u32>(((a & 0x7fffffu) | LEADING) >> 12u, a & 0xfffu);
-    let y = vec2<u32>(((b & 0x7fffffu) | LEADING) >> 12u, b & 0xfffu);
-    let lowest = x.y * y.y;
-    let middle = x.x * y.y + x.y * y.x + (lowest >> 12u);
-    let high = x.x * y.x + (middle >> 12u);
-    let low = ((middle & 0xfffu) << 12u) | (lowest & 0xfffu);
-    // Three more bits, of which the last says whether there is anything behind them.
-    let digits = (high << 3u) | (low >> 21u) | select(0u, 1u, (low & 0x1fffffu) != 0u);
-    // From there to units of 2^-149: at least 2 bits.
-    let shift = min(130u - (a >> 23u) - (b >> 23u), 31u);
-    let rest = digits & ((1u << shift) - 1u);
-    let halfway = 1u << (shift - 1u);
-    let units = digits >> shift;
-    return units + select(0u, 1u, rest > halfway || (rest == halfway && (units & 1u) != 0u));
-}
-
 fn ieee_quotient(a: f32, b: f32) -> f32 {
     return quotient(a, b);
 }
@@ -125,7 +111,7 @@ fn ieee_root(x: f32) -> f32 {
         return x;
     }
     if (bits > INFINITE) {
-        return bitcast<f32>(0x7fc00000u ^ zeros.x);
+        return bitcast<f32>(0x7fc00000u | zeros.x);
     }
     let number = unpacked(bits);
     let exponent = number.exponent - 127;

@@ -24,6 +24,10 @@ struct Corner {
 // A triangle in the picture.
 struct Flat {
     corners: array<Corner, 3>,
+    // The edges opposite to its corners, with the triangle on their positive side: where each starts, and how far it goes.
+    edges: array<vec4<i32>, 3>,
+    // The least values of the edges that count as covered: 0 on a top or a left edge, else 1.
+    least: vec3<i32>,
     // Whether corners run counterclockwise, y down.
     turned: bool,
     is_narrow: bool,
@@ -33,8 +37,6 @@ struct Flat {
     // How depth grows with the values of the edges opposite to the second and the third corner.
     scale: f32,
     gain: vec2<f32>,
-    // 1 / w of its corners, relative to the greatest.
-    share: vec3<f32>,
     // Its area.
     pixels: f32,
     // Whether it has any area and any pixel.
@@ -43,13 +45,18 @@ struct Flat {
 
 // Clip coordinates of a local position.
 fn clip_position(view: View, position: vec3<f32>) -> vec4<f32> {
-    let m = view.clip_from_local;
-    var clip: vec4<f32>;
-    for (var i = 0u; i < 4u; i++) {
-        let xy = sum(product(m[0][i], position.x), product(m[1][i], position.y));
-        clip[i] = sum(sum(xy, product(m[2][i], position.z)), m[3][i]);
-    }
-    return clip;
+    let rows = transpose(view.clip_from_local);
+    return vec4<f32>(
+        row_times(rows[0], position),
+        row_times(rows[1], position),
+        row_times(rows[2], position),
+        row_times(rows[3], position),
+    );
+}
+
+fn row_times(row: vec4<f32>, position: vec3<f32>) -> f32 {
+    let xy = sum(product(row.x, position.x), product(row.y, position.y));
+    return sum(sum(xy, product(row.z, position.z)), row.w);
 }
 
 // The division by w and the map to the picture.
@@ -59,7 +66,7 @@ fn corner_of(clip: vec4<f32>, half: vec2<f32>) -> Corner {
     }
     let x = sum(half.x, product(half.x, quotient(clip.x, clip.w)));
     let y = difference(half.y, product(half.y, quotient(clip.y, clip.w)));
-    return corner_at(vec2<f32>(x, y), quotient(clip.z, clip.w), quotient(1.0, clip.w));
+    return corner_at(vec2<f32>(x, y), quotient(clip.z, clip.w), inverse_of(clip.w));
 }
 
 fn corner_at(position: vec2<f32>, depth: f32, inverse_w: f32) -> Corner {
@@ -86,6 +93,10 @@ fn set_up(corners: array<Corner, 3>, size: vec2<i32>) -> Flat {
     }
     t.is_seen = area.high != 0 || area.low != 0u;
     if (t.is_seen) {
+        t.edges[0] = edge_between(corners[1].at, corners[2].at, t.turned);
+        t.edges[1] = edge_between(corners[2].at, corners[0].at, t.turned);
+        t.edges[2] = edge_between(corners[0].at, corners[1].at, t.turned);
+        t.least = vec3<i32>(least_of(t.edges[0].zw), least_of(t.edges[1].zw), least_of(t.edges[2].zw));
         let whole = rounded(area);
         t.pixels = whole * (0.5 / (SUBPIXEL_ONE * SUBPIXEL_ONE));
         // Biased exponents e and 254 − e belong to powers of two whose product is 1.
@@ -96,22 +107,13 @@ fn set_up(corners: array<Corner, 3>, size: vec2<i32>) -> Flat {
             quotient(difference(corners[1].depth, first), scaled),
             quotient(difference(corners[2].depth, first), scaled),
         );
-        let w = vec3<f32>(corners[0].inverse_w, corners[1].inverse_w, corners[2].inverse_w);
-        t.share = w / max(max(w.x, w.y), w.z);
     }
     return t;
 }
 
-// The edge opposite to corner i, with the triangle on its positive side: where it starts, and how far it goes.
-fn edge_of(t: Flat, i: u32) -> vec4<i32> {
-    var start = t.corners[(i + 1u) % 3u].at;
-    var end = t.corners[(i + 2u) % 3u].at;
-    if (t.turned) {
-        let swapped = start;
-        start = end;
-        end = swapped;
-    }
-    return vec4<i32>(start, end - start);
+fn edge_between(start: vec2<i32>, end: vec2<i32>, is_turned: bool) -> vec4<i32> {
+    let first = select(start, end, is_turned);
+    return vec4<i32>(first, select(end, start, is_turned) - first);
 }
 
 // The least value of an edge that counts as covered: 0 on a top or a left edge, else 1.
@@ -119,33 +121,36 @@ fn least_of(delta: vec2<i32>) -> i32 {
     return select(1, 0, delta.y < 0 || (delta.y == 0 && delta.x > 0));
 }
 
-// The value of the edge opposite to corner i at a pixel's centre, from 0 or 1 on where the pixel may be covered.
-fn edge_at(t: Flat, edge: vec4<i32>, pixel: vec2<i32>) -> Wide {
+// The value of an edge at a pixel's centre, from 0 or 1 on where the pixel may be covered.
+fn edge_at(edge: vec4<i32>, is_narrow: bool, pixel: vec2<i32>) -> Wide {
     let d = pixel * PIXEL + HALF_PIXEL - edge.xy;
-    if (t.is_narrow) {
+    if (is_narrow) {
         let narrow = edge.z * d.y - edge.w * d.x;
-        return Wide(select(0, -1, narrow < 0), u32(narrow));
+        return Wide(narrow >> 31u, u32(narrow));
     }
     return wide_difference(wide_product(edge.z, d.y), wide_product(edge.w, d.x));
 }
 
 // The columns of a row that may be covered: the first, and one beyond the last. Those between are decided exactly.
 fn columns_of(t: Flat, y: i32) -> vec2<i32> {
-    var low = 0.0;
-    var high = f32(t.end.x - t.first.x);
-    for (var i = 0u; i < 3u; i++) {
-        let edge = edge_of(t, i);
-        let value = approximate(edge_at(t, edge, vec2<i32>(t.first.x, y)));
-        let step = -f32(edge.w) * f32(PIXEL);
-        if (step > 0.0) {
-            low = max(low, -value / step - ROUNDING_PX);
-        } else if (step < 0.0) {
-            high = min(high, value / -step + 1.0 + ROUNDING_PX);
-        } else if (value < 0.0) {
-            high = 0.0;
-        }
+    var columns = vec2<f32>(0.0, f32(t.end.x - t.first.x));
+    columns = columns_within(columns, t, t.edges[0], y);
+    columns = columns_within(columns, t, t.edges[1], y);
+    columns = columns_within(columns, t, t.edges[2], y);
+    return t.first.x + vec2<i32>(i32(ceil(columns.x)), i32(floor(max(columns.y, 0.0))));
+}
+
+// Those of them, counted from the triangle's first, that may be within an edge, too.
+fn columns_within(columns: vec2<f32>, t: Flat, edge: vec4<i32>, y: i32) -> vec2<f32> {
+    let value = approximate(edge_at(edge, t.is_narrow, vec2<i32>(t.first.x, y)));
+    let step = -f32(edge.w) * f32(PIXEL);
+    if (step > 0.0) {
+        return vec2<f32>(max(columns.x, -value / step - ROUNDING_PX), columns.y);
     }
-    return vec2<i32>(t.first.x + i32(ceil(low)), t.first.x + i32(floor(max(high, 0.0))));
+    if (step < 0.0) {
+        return vec2<f32>(columns.x, min(columns.y, value / -step + 1.0 + ROUNDING_PX));
+    }
+    return vec2<f32>(columns.x, select(columns.y, 0.0, value < 0.0));
 }
 
 // What the edges say of a pixel's centre.
@@ -156,18 +161,17 @@ struct Values {
 }
 
 fn values_at(t: Flat, pixel: vec2<i32>) -> Values {
-    var values: Values;
-    values.covered = true;
-    for (var i = 0u; i < 3u; i++) {
-        let edge = edge_of(t, i);
-        let value = edge_at(t, edge, pixel);
-        if (value.high < 0 || (value.high == 0 && value.low < u32(least_of(edge.zw)))) {
-            values.covered = false;
-            return values;
-        }
-        values.rounded[i] = rounded(value);
+    let x = edge_at(t.edges[0], t.is_narrow, pixel);
+    let y = edge_at(t.edges[1], t.is_narrow, pixel);
+    let z = edge_at(t.edges[2], t.is_narrow, pixel);
+    if (is_below(x, t.least.x) || is_below(y, t.least.y) || is_below(z, t.least.z)) {
+        return Values();
     }
-    return values;
+    return Values(true, vec3<f32>(rounded(x), rounded(y), rounded(z)));
+}
+
+fn is_below(value: Wide, least: i32) -> bool {
+    return value.high < 0 || (value.high == 0 && value.low < u32(least));
 }
 
 // z / w at a pixel's centre that it covers, never beyond the corners' own.

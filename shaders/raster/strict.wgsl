@@ -6,9 +6,10 @@
 // Zeros that no compiler sees.
 @group(1) @binding(5) var<uniform> zeros: vec4<u32>;
 
-// A value as it is, which no compiler knows.
+// A value as it is, which no compiler knows. Not by an exclusive or: of two such with the same number, one behind the other, a
+// compiler leaves out both, and fuses what they stood between.
 fn kept(x: f32) -> f32 {
-    return bitcast<f32>(bitcast<u32>(x) ^ zeros.x);
+    return bitcast<f32>(bitcast<u32>(x) | zeros.x);
 }
 
 fn sum(a: f32, b: f32) -> f32 {
@@ -61,32 +62,42 @@ fn packed(exponent: i32, mantissa: u32, digits: u32, rest: bool) -> u32 {
     return (u32(max(exponent, 1) - 1) << 23u) + kept_digits;
 }
 
-// a / b, rounded to nearest, halves to even, by long division.
+// a / b, or near it: by the adapter.
+fn guessed(a: f32, b: f32) -> f32 {
+    return a / b;
+}
+
+// a / b, rounded to nearest, halves to even. The adapter's own quotient may be off by 32 units of its last place: what it leaves is
+// computed in integers, and corrects it.
 fn quotient(a: f32, b: f32) -> f32 {
     let sign = (bitcast<u32>(a) ^ bitcast<u32>(b)) & SIGN;
     let of_a = bitcast<u32>(a) & MAGNITUDE;
     let of_b = bitcast<u32>(b) & MAGNITUDE;
     if (of_a == 0u || of_b == 0u || max(of_a, of_b) >= INFINITE) {
-        return bitcast<f32>(sign ^ endless_quotient(of_a, of_b) ^ zeros.x);
+        return bitcast<f32>((sign ^ endless_quotient(of_a, of_b)) | zeros.x);
     }
-    let dividend = unpacked(of_a);
-    let divisor = unpacked(of_b).mantissa;
-    var exponent = dividend.exponent - unpacked(of_b).exponent + 127;
-    var rest = dividend.mantissa;
-    if (rest < divisor) {
-        rest <<= 1u;
-        exponent -= 1;
-    }
-    rest -= divisor;
-    // 24 digits behind the leading one: the last says how to round.
-    var digits = 1u;
-    for (var i = 0u; i < 3u; i++) {
-        rest <<= 8u;
-        let eight = rest / divisor;
-        rest -= eight * divisor;
-        digits = (digits << 8u) | eight;
-    }
-    return bitcast<f32>(sign | packed(exponent, digits, 1u, rest != 0u));
+    let x = unpacked(of_a);
+    let y = unpacked(of_b);
+    let is_less = x.mantissa < y.mantissa;
+    let dividend = select(x.mantissa, x.mantissa << 1u, is_less);
+    let divisor = i32(y.mantissa);
+    // A number of 1 … 2: its digits behind the point, and one more, which says how to round.
+    let guess = guessed(f32(dividend), f32(divisor));
+    var digits = 2 * (bitcast<i32>(guess) - 0x3f800000) + 0x1000000;
+    // dividend × 2^24 − digits × divisor, which is far below 2^31, so that what is beyond 32 bits need not be known.
+    var rest = bitcast<i32>((dividend << 24u) - u32(digits) * u32(divisor));
+    let more = i32(guessed(f32(rest), f32(divisor)));
+    digits += more;
+    rest -= more * divisor;
+    // `more` may be off by one to either side.
+    let is_over = rest < 0;
+    digits -= select(0, 1, is_over);
+    rest += select(0, divisor, is_over);
+    let is_under = rest >= divisor;
+    digits += select(0, 1, is_under);
+    rest -= select(0, divisor, is_under);
+    let exponent = x.exponent - y.exponent + 127 - select(0, 1, is_less);
+    return bitcast<f32>(sign | packed(exponent, u32(digits), 1u, rest != 0));
 }
 
 // The same of magnitudes of which one is zero, infinite or no number.

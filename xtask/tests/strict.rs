@@ -8,7 +8,7 @@ use techniques::ByCompute;
 use xtask::strict::operations::{Operands, unlike};
 
 /// Functions in which the adapter's own sums and products stay, each behind a barrier.
-const OWN: [&str; 4] = ["ieee_sum", "ieee_product", "hundred_up", "hundred_down"];
+const OWN: [&str; 5] = ["ieee_sum", "ieee_product", "hundred_up", "hundred_down", "guessed"];
 
 fn module(wgsl: &str) -> Module {
     naga::front::wgsl::parse_str(wgsl).unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)))
@@ -90,7 +90,7 @@ fn tried(
 #[test]
 fn each_operation_has_rusts_bits_and_planted_faults_have_not() {
     use Operands::{Bits, InOrder, Mantissas, Near, Tiny};
-    use Operation::{Difference, Less, Product, ProductAndSum, Products, Quotient, Root, Rounding, Sum};
+    use Operation::{Difference, Less, Product, ProductAndSum, Products, Quotient, Root, Rounding, Sum, TwiceKept};
     let device = Device::open(Some("llvmpipe")).expect("the software adapter");
     for (operation, operands) in [
         (Root, Bits),
@@ -105,24 +105,27 @@ fn each_operation_has_rusts_bits_and_planted_faults_have_not() {
         (Difference, Near),
         (Less, Bits),
         (ProductAndSum, Mantissas),
+        (TwiceKept, Mantissas),
         (Products, Mantissas),
         (Rounding, Mantissas),
     ] {
         let whole = tried(&device, operation, operands, true, &|source| source);
         assert_eq!(whole, (0, vec![]), "{operation:?} of {operands:?}");
-        // Without products of subnormal numbers none is wrong, and none else is left out.
+        // Without subnormal numbers none is wrong, and no other is left out than may be one or be made of one.
         let (differ, raised) = tried(&device, operation, operands, false, &|source| source);
         assert_eq!(differ, 0, "{operation:?} of {operands:?}");
-        let is_subnormal = |pair: &[f32; 2]| pair.iter().any(|x| x.is_subnormal());
-        assert!(raised.iter().all(is_subnormal), "{operation:?} of {operands:?}: {raised:?}");
-        assert_eq!(operation == Product, !raised.is_empty(), "{operation:?} of {operands:?}");
+        let is_small = |&[a, b]: &[f32; 2]| match operation {
+            Product => (a * b).abs() <= f32::MIN_POSITIVE || a.is_subnormal() || b.is_subnormal(),
+            _ => a.abs().max(b.abs()) < 2f32.powi(-100),
+        };
+        assert!(raised.iter().all(is_small), "{operation:?} of {operands:?}: {raised:?}");
+        assert_eq!([Product, Sum, Difference].contains(&operation), !raised.is_empty(), "{operation:?} of {operands:?}");
     }
     let faults = [
         (Quotient, Mantissas, true, "lost == half", "lost != half"),
         (Quotient, Tiny, true, "lost > half", "lost >= half"),
         (Root, Bits, true, "& 1u)", "& 0u)"),
         (Sum, Near, true, "838860800u", "847249408u"),
-        (Product, Tiny, false, "130u", "131u"),
     ];
     for (operation, operands, computes, right, wrong) in faults {
         let edit = |source: String| {

@@ -23,12 +23,13 @@ const SHORTEST_GREATEST: &str = "340282350000000000000000000000000000000f";
 /// The same in full.
 const GREATEST: &str = "340282346638528859811704183484516925440f";
 
-/// What is asked of an adapter beside integers: the functions in which its own operators on floats stay, each behind a barrier.
-const OWN: [&str; 4] = ["ieee_sum", "ieee_product", "hundred_up", "hundred_down"];
+/// What is asked of an adapter beside integers: the functions in which its own operators on floats stay, each behind a barrier or, in
+/// `guessed`, corrected.
+const OWN: [&str; 5] = ["ieee_sum", "ieee_product", "hundred_up", "hundred_down", "guessed"];
 
-/// What a pipeline of a strict program takes: whether it multiplies subnormal numbers, or raises such products.
+/// What a pipeline of a strict program takes: whether it computes subnormal numbers, or raises them.
 pub fn constants(subnormals: bool) -> [(&'static str, f64); 1] {
-    [("MULTIPLIES_SUBNORMALS", f64::from(u8::from(subnormals)))]
+    [("COMPUTES_SUBNORMALS", f64::from(u8::from(subnormals)))]
 }
 
 /// The same program in IEEE 754's arithmetic. It must have a function `raise_subnormal`, and its pipelines take [`constants`].

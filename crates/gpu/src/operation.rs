@@ -33,6 +33,8 @@ pub enum Operation {
     Less,
     /// a b + a, which an adapter may fuse.
     ProductAndSum,
+    /// The same by functions that have a barrier of their own, so that there are two, one behind the other.
+    TwiceKept,
     /// a b − b a, which is zero unless one product is fused.
     Products,
     /// What is lost of a + b by rounding (Knuth's TwoSum), which is zero for a compiler that takes floats for real numbers.
@@ -41,7 +43,7 @@ pub enum Operation {
 
 impl Operation {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Sum,
         Self::Difference,
         Self::Product,
@@ -49,6 +51,7 @@ impl Operation {
         Self::Root,
         Self::Less,
         Self::ProductAndSum,
+        Self::TwiceKept,
         Self::Products,
         Self::Rounding,
     ];
@@ -62,6 +65,7 @@ impl Operation {
             Self::Root => "sqrt(a)",
             Self::Less => "select(0.0, 1.0, a < b)",
             Self::ProductAndSum => "a * b + a",
+            Self::TwiceKept => "sum(product(a, b), a)",
             Self::Products => "a * b - b * a",
             Self::Rounding => "(a - ((a + b) - ((a + b) - a))) + (b - ((a + b) - a))",
         }
@@ -76,7 +80,7 @@ impl Operation {
             Self::Quotient => a / b,
             Self::Root => a.sqrt(),
             Self::Less => f32::from(u8::from(a < b)),
-            Self::ProductAndSum => a * b + a,
+            Self::ProductAndSum | Self::TwiceKept => a * b + a,
             Self::Products => {
                 let turned = b * a;
                 a * b - turned
@@ -95,7 +99,7 @@ pub struct Operator<'d> {
 }
 
 impl<'d> Operator<'d> {
-    /// Compiles it, with products of subnormal numbers or without. `edit` changes the program's text, so that a test can
+    /// Compiles it, with subnormal numbers or without. `edit` changes the program's text, so that a test can
     /// plant a fault.
     ///
     /// # Errors
@@ -121,7 +125,7 @@ impl<'d> Operator<'d> {
         Ok(Self { device, pipeline, operands, zeros })
     }
 
-    /// What the device makes of each pair of operands; `None` where a product of a subnormal number was raised.
+    /// What the device makes of each pair of operands; `None` where a subnormal number was raised.
     ///
     /// # Errors
     /// [`GpuError::Limit`] where there are too many at once; [`GpuError::OutOfMemory`], [`GpuError::Timeout`], [`GpuError::Lost`].

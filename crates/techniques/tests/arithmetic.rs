@@ -12,6 +12,18 @@ fn strict_arithmetic_has_the_bits_of_rusts_own() {
 }
 
 #[test]
+fn a_quotient_that_an_adapter_guesses_badly_is_corrected() {
+    for factor in ["1.000002", "0.999998"] {
+        let source = |variant: Variant| {
+            let source = wgsl::source(variant);
+            assert!(source.contains("return a / b;"));
+            source.replace("return a / b;", &format!("return a / b * {factor};"))
+        };
+        assert_eq!(wrong_arithmetic(&software(), &source), Ok(None), "{factor}");
+    }
+}
+
+#[test]
 fn a_digit_that_is_rounded_otherwise_is_named() {
     let device = software();
     let faults = [

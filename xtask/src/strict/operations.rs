@@ -68,7 +68,7 @@ impl Operands {
 }
 
 /// What is tried: an operation, its operands, and how many pairs of them by `Few` and by `All`.
-const TRIALS: [(Operation, Operands, [u64; 2]); 18] = [
+const TRIALS: [(Operation, Operands, [u64; 2]); 19] = [
     (Operation::Root, Operands::InOrder, [CHUNK, 1 << 32]),
     (Operation::Root, Operands::Bits, [CHUNK, CHUNK]),
     (Operation::Quotient, Operands::Mantissas, [CHUNK, 1 << 30]),
@@ -83,6 +83,7 @@ const TRIALS: [(Operation, Operands, [u64; 2]); 18] = [
     (Operation::Less, Operands::Near, [CHUNK, 1 << 24]),
     (Operation::ProductAndSum, Operands::Bits, [CHUNK, 1 << 26]),
     (Operation::ProductAndSum, Operands::Mantissas, [CHUNK, 1 << 26]),
+    (Operation::TwiceKept, Operands::Mantissas, [CHUNK, 1 << 26]),
     (Operation::Products, Operands::Bits, [CHUNK, 1 << 26]),
     (Operation::Products, Operands::Mantissas, [CHUNK, 1 << 26]),
     (Operation::Rounding, Operands::Near, [CHUNK, 1 << 26]),
@@ -98,13 +99,12 @@ pub fn run(device: &Device, amount: Amount) -> Result<usize> {
     for (operation, operands, [few, all]) in TRIALS {
         let count = if amount == Amount::All { all } else { few };
         let began = Instant::now();
-        let operators = [true, false].map(|computes| Operator::new(device, operation, computes, &|source| source));
-        let [whole, lean] = operators;
-        let [whole, lean] = [whole?, lean?];
+        let operator = |subnormals| Operator::new(device, operation, subnormals, &|source| source);
+        let operators = [operator(true)?, operator(false)?];
         let (mut differ, mut raised, mut first) = (0, 0, None);
         for start in (0..count).step_by(CHUNK as usize) {
             let pairs = operands.pairs(start, CHUNK as usize);
-            for operator in [&whole, &lean] {
+            for operator in &operators {
                 let results = operator.results(&pairs)?;
                 let found = unlike(operation, &pairs, &results);
                 differ += found.len();

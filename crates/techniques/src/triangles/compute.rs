@@ -43,7 +43,7 @@ const NEAREST_32: Part =
 /// The parts of a program by atomics of 64 bits.
 const PARTS_64: &[Part] = &[ENTRY, CLIP, SETUP, WEIGHTS, STRICT, NEAREST_64, SAMPLE, resolve::PART];
 
-/// How a strict program raises a product of a subnormal number.
+/// How a strict program raises a subnormal number.
 const SUBNORMAL: Part =
     Part { file: "raster/subnormal.wgsl", text: include_str!("../../../../shaders/raster/subnormal.wgsl") };
 
@@ -60,7 +60,7 @@ const WORKGROUP: u32 = 64;
 /// Workgroups that share triangles of unknown number: enough to fill the largest chips, and soon done where there are none.
 const SHARING: u32 = 2048;
 
-/// Words of the queue before the counts: whether a subnormal number was to be multiplied.
+/// Words of the queue before the counts: whether a subnormal number was met.
 const FIRST_COUNT: usize = 1;
 
 /// Counts a call and round: large triangles, cut ones, and questions.
@@ -285,12 +285,12 @@ impl Fed {
     }
 }
 
-/// Products of subnormal numbers take much code, which an adapter may compile for minutes. So strict kernels go without it until a frame
+/// Subnormal numbers take much code, which an adapter may compile for minutes. So strict kernels go without it until a frame
 /// has any.
 #[derive(Default)]
 struct Subnormals {
     /// Whether the pipelines that are there compute them.
-    are_multiplied: bool,
+    are_computed: bool,
     /// Whether a frame had any.
     are_met: Arc<AtomicBool>,
 }
@@ -327,7 +327,7 @@ impl Kernels {
         };
         let mut constants = vec![("FARTHEST", f64::from(u8::from(self.depth == DepthOrder::Farthest)))];
         if let Some(subnormals) = &self.subnormals {
-            constants.extend(gpu::strict_constants(subnormals.are_multiplied));
+            constants.extend(gpu::strict_constants(subnormals.are_computed));
         }
         device.kernel(layout, (program, module), kernel.entry(), &constants)
     }
@@ -343,8 +343,8 @@ impl Pass for Kernels {
     }
 
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
-        if let Some(subnormals) = self.subnormals.as_mut().filter(|of| !of.are_multiplied && of.are_met.load(Relaxed)) {
-            subnormals.are_multiplied = true;
+        if let Some(subnormals) = self.subnormals.as_mut().filter(|of| !of.are_computed && of.are_met.load(Relaxed)) {
+            subnormals.are_computed = true;
             self.pipelines.clear();
         }
         let is_run = |kernel: &Kernel| self.is_trimmed || !kernel.is_answer();
@@ -380,7 +380,7 @@ impl Pass for Kernels {
             (group, resolve::group(device, &self.resolve_layouts[&targets.output].0, targets))
         })?;
         let (fed, pipelines) = (self.fed.clone(), self.pipelines.clone());
-        let lacks_subnormals = self.subnormals.as_ref().filter(|of| !of.are_multiplied).map(|of| of.are_met.clone());
+        let lacks_subnormals = self.subnormals.as_ref().filter(|of| !of.are_computed).map(|of| of.are_met.clone());
         Ok(Box::new(Covered { fed, pipelines, seen, queue, asks: room > 0, lacks_subnormals, group, targets }))
     }
 
@@ -406,7 +406,7 @@ struct Covered {
     queue: wgpu::Buffer,
     /// Whether there are questions.
     asks: bool,
-    /// Of strict kernels that multiply no subnormal numbers: where to say that there are any.
+    /// Of strict kernels that compute no subnormal numbers: where to say that there are any.
     lacks_subnormals: Option<Arc<AtomicBool>>,
     group: wgpu::BindGroup,
     targets: wgpu::BindGroup,
@@ -506,9 +506,9 @@ impl Frame for Covered {
         }
     }
 
-    /// For no product of a subnormal number, where none is computed.
+    /// For no subnormal number, where none is computed.
     fn room(&self) -> Option<Room<'_>> {
-        let during = "looking for products of subnormal numbers";
+        let during = "looking for subnormal numbers";
         self.lacks_subnormals.is_some().then_some(Room { during, buffer: &self.queue, offset: 0, capacity: 0 })
     }
 
