@@ -18,7 +18,11 @@ enum Scene {
 /// A fault: its name, where it shows, and what is replaced by what.
 const FAULTS: &[(&str, Scene, [&str; 2])] = &[
     ("depth by the slope of another edge", Scene::Inside, ["values.y * t.scale", "values.z * t.scale"]),
-    ("rows without their last column", Scene::Framed, ["floor(max(columns.y, 0.0))", "floor(max(columns.y - 1.5, 0.0))"]),
+    (
+        "rows without their last column",
+        Scene::Framed,
+        ["floor(max(columns.y, 0.0))", "floor(max(columns.y - 1.5, 0.0))"],
+    ),
     (
         "large triangles are left out",
         Scene::Inside,

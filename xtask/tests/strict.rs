@@ -119,7 +119,11 @@ fn each_operation_has_rusts_bits_and_planted_faults_have_not() {
             _ => a.abs().max(b.abs()) < 2f32.powi(-100),
         };
         assert!(raised.iter().all(is_small), "{operation:?} of {operands:?}: {raised:?}");
-        assert_eq!([Product, Sum, Difference].contains(&operation), !raised.is_empty(), "{operation:?} of {operands:?}");
+        assert_eq!(
+            [Product, Sum, Difference].contains(&operation),
+            !raised.is_empty(),
+            "{operation:?} of {operands:?}"
+        );
     }
     let faults = [
         (Quotient, Mantissas, true, "lost == half", "lost != half"),
