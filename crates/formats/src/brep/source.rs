@@ -63,8 +63,8 @@ impl Made {
 /// What was found by approximation.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Found {
-    /// Edges that the file does not give in (u, v), or not on the surface.
-    pub projected: usize,
+    /// Edges whose trims are near them alone: not given in (u, v), or not on the surface, or as no spline in its parameters.
+    pub followed: usize,
     /// How far any trim was measured to be from its path, model units.
     pub error: f64,
     /// How far any edge was measured to be from the surface, model units.
