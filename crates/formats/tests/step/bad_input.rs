@@ -294,13 +294,13 @@ fn a_large_curve_that_is_named_again_and_again_ends() {
     assert!(start.elapsed() < Duration::from_secs(30), "{:?}", start.elapsed());
 }
 
-/// A name of two million characters, for each of 2,000 faces: what is kept of it is short.
+/// A name of two million characters, for each of 100 faces: what is kept of it is short.
 #[test]
 fn a_long_name_of_many_faces_is_cut() {
     let text = good();
     let face = text.lines().find(|line| line.contains("=ADVANCED_FACE(")).expect("a face");
     let (_, rest) = face.split_once("=ADVANCED_FACE('").expect("a name");
-    let numbers: Vec<u64> = (0..2000).map(|k| 200_000 + k).collect();
+    let numbers: Vec<u64> = (0..100).map(|k| 200_000 + k).collect();
     let mut data: String = numbers.iter().map(|k| format!("#{k}=ADVANCED_FACE('{rest}\n")).collect();
     let list: Vec<String> = numbers.iter().map(|k| format!("#{k}")).collect();
     let name = "n".repeat(2_000_000);
@@ -312,7 +312,7 @@ fn a_long_name_of_many_faces_is_cut() {
         let names = said.layers.iter().chain(&said.name);
         said.layers.len() == 1 && names.clone().count() == 2 && names.clone().all(|name| name.ends_with("n…"))
     };
-    assert_eq!(document.attributes.iter().filter(long).count(), 2000);
+    assert_eq!(document.attributes.iter().filter(long).count(), 100);
     let lengths =
         document.attributes.iter().flat_map(|said| said.layers.iter().chain(&said.name)).map(|name| name.len());
     assert!(lengths.max() < Some(1010), "{:?}", document.attributes[0]);
