@@ -76,7 +76,7 @@ fn target(name: &str) -> Result<Target> {
         "step" => {
             let step = formats::FORMATS.iter().find(|format| format.name() == "STEP").context("a format")?;
             Target {
-                seeds: folders(&["step"], "step")?,
+                seeds: folders(&["step", "step/solids"], "step")?,
                 read: Box::new(|_, bytes| Ok(step.read(bytes, "fuzz.step").map(|_| ())?)),
                 zipped: false,
             }

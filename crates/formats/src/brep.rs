@@ -18,6 +18,7 @@ pub(crate) mod arc;
 mod bound;
 pub(crate) mod closed;
 pub(crate) mod curve;
+pub(crate) mod effort;
 pub(crate) mod face;
 pub(crate) mod fit;
 pub(crate) mod frame;

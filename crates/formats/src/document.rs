@@ -50,6 +50,16 @@ pub struct Attributes {
 /// The most layers of one face that are kept; beyond them a note says so.
 pub(crate) const MOST_LAYERS: usize = 64;
 
+/// The most characters of a name that are kept. A file may give one long name to very many faces.
+const MOST_NAME: usize = 1000;
+
+/// A name as it is kept: without blanks about it, and with `…` in place of what is beyond the thousandth character; `None` for none.
+pub(crate) fn name(text: &str) -> Option<Arc<str>> {
+    let text = text.trim();
+    let kept = text.char_indices().nth(MOST_NAME).map(|(end, _)| format!("{}…", &text[..end]));
+    (!text.is_empty()).then(|| kept.map_or_else(|| text.into(), Arc::from))
+}
+
 /// Names of layers, shared by all that is on them.
 pub type Layers = Arc<[Arc<str>]>;
 
@@ -208,5 +218,18 @@ impl fmt::Display for Note {
             Place::File => write!(f, "{}", self.text),
             ref place => write!(f, "{place}: {}", self.text),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_cut_where_it_is_too_long() {
+        assert_eq!((name(" \t"), name(" Träger ").as_deref()), (None, Some("Träger")));
+        let (whole, long) = ("ä".repeat(MOST_NAME), "ä".repeat(MOST_NAME + 1));
+        assert_eq!(name(&whole).as_deref(), Some(whole.as_str()));
+        assert_eq!(name(&long), Some(format!("{whole}…").into()));
     }
 }

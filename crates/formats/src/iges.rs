@@ -25,6 +25,7 @@ mod support;
 mod topology;
 mod value;
 
+use crate::brep::effort::Effort;
 use crate::brep::face::make;
 use crate::brep::frame::Motion;
 use crate::brep::gathered::{Gathered, TOO_MANY};
@@ -102,7 +103,9 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     damage.extend(entities.damage.clone());
     let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
     let off = Cell::new(Off::default());
-    let geometry = Geometry { entities: &entities, tolerance: global.resolution, off: &off, work: &work };
+    let effort = Effort::new(bytes.len());
+    let geometry =
+        Geometry { entities: &entities, tolerance: global.resolution, off: &off, work: &work, effort: &effort };
     let mut assembly = Assembly::new(&geometry);
     let mut reader = Faces::new(&geometry);
     let mut made = Once::new(assembly.placed.iter().map(|placed| placed.number));
@@ -120,7 +123,9 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
                 remarks.extend(remark.map(|remark| (placed.number, remark)));
                 let at = (&placed.motion.after(&motion), placed.reversed);
                 let attributes = looks::looks(&entities, placed, &mut levels);
-                gathered.add(u64::from(placed.number), made, at, placed.instance, attributes);
+                if let Err(cause) = gathered.add(u64::from(placed.number), made, at, placed.instance, attributes) {
+                    faults.push(fault(placed.number, cause.to_string()));
+                }
             }
             Err(fault) => faults.push(fault),
         }

@@ -80,26 +80,10 @@ impl Spline {
     /// The part over a range of the domain, with the same parameter, clamped at both ends.
     ///
     /// # Errors
-    /// [`NurbsError::EmptyDomain`] where the range is empty or not in the domain.
-    pub fn restricted(&self, [start, end]: [f64; 2]) -> Result<Self, NurbsError> {
-        let (p, [first, last]) = (self.knots.degree(), self.domain());
-        if !(first <= start && start < end && end <= last) {
-            return Err(NurbsError::EmptyDomain { start, end });
-        }
-        if [start, end] == [first, last] && self.knots.is_clamped() {
-            return Ok(self.clone());
-        }
-        let inner = self.knots.knots().iter().copied().filter(|k| start < *k && *k < end);
-        let ends = [start, end].map(|t| vec![t; p + 1]);
-        let knots: Vec<f64> = ends[0].iter().copied().chain(inner).chain(ends[1].iter().copied()).collect();
-        let point = |i: usize| {
-            // Any span on which the new basis function i is not zero will do; its own first one that is not empty.
-            let k = (i..=i + p).find(|k| knots[*k] < knots[k + 1]).expect("no knot occurs p + 2 times");
-            let span = self.knots.find_span(0.5 * (knots[k] + knots[k + 1]));
-            self.blossom(span, |r| knots[i + 1 + r])
-        };
-        let points = (0..knots.len() - p - 1).map(point).collect();
-        Self::new(p, knots, points)
+    /// Those of [`nurbs::restricted`].
+    pub fn restricted(&self, range: [f64; 2]) -> Result<Self, NurbsError> {
+        let (knots, points) = nurbs::restricted(&self.knots, &self.points, range)?;
+        Ok(Self { knots, points })
     }
 
     /// The same curve of a degree that is not lower, by Bézier pieces (Piegl & Tiller, Eq. 5.36).
@@ -242,7 +226,7 @@ mod tests {
             assert_eq!(part.domain(), range);
             assert!(distance(&curve, &part, range) < 1e-13, "{range:?}");
         }
-        assert!(matches!(curve.restricted([1.0, 3.0]), Err(NurbsError::EmptyDomain { .. })));
+        assert!(matches!(curve.restricted([1.0, 3.0]), Err(NurbsError::OutsideDomain { .. })));
     }
 
     #[test]

@@ -22,6 +22,7 @@ mod topology;
 mod units;
 mod value;
 
+use crate::brep::effort::Effort;
 use crate::brep::face::make;
 use crate::brep::gathered::{Gathered, TOO_MANY};
 use crate::brep::off::Off;
@@ -89,7 +90,8 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         notes.push(Note { kind: NoteKind::Healed, place: place(&instances, first), text });
     }
     let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
-    let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), work: &work };
+    let effort = Effort::new(bytes.len());
+    let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), work: &work, effort: &effort };
     let key = |placed: &Placed| (placed.number, placed.context);
     let mut made = Once::new(assembly.placed.iter().map(key));
     let mut gathered = Gathered::new(bytes.len());
@@ -106,13 +108,21 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
                 let surface = *kinds.entry(placed.number).or_insert_with(kind);
                 let attributes = Attributes { surface, ..placed.attributes.clone() };
                 let at = (&placed.motion, placed.reversed);
-                gathered.add(placed.number, made, at, placed.instance, attributes);
+                if let Err(cause) = gathered.add(placed.number, made, at, placed.instance, attributes) {
+                    faults.push(fault(placed.number, cause.to_string()));
+                }
             }
             Err(fault) => faults.push(fault),
         }
     }
     let units = reader.units(assembly.context).clone();
+    let contexts = std::mem::take(&mut reader.contexts);
     drop(reader);
+    notes.extend(contexts.values().flat_map(|units| &units.faults).map(|fault| Note {
+        kind: NoteKind::Healed,
+        place: place(&instances, fault.number),
+        text: fault.why.clone(),
+    }));
     notes.extend(instances.faults.iter().map(|(line, why)| Note {
         kind: NoteKind::Healed,
         place: Place::Line(*line),
@@ -146,6 +156,7 @@ fn place(instances: &Instances, number: u64) -> Place {
 struct Reader<'f, 'b> {
     instances: &'f Instances<'b>,
     work: &'f Cell<usize>,
+    effort: &'f Effort,
     contexts: BTreeMap<Option<u64>, Units>,
 }
 
@@ -156,10 +167,11 @@ impl Reader<'_, '_> {
 
     /// The face, in the coordinates of its representation.
     fn face(&mut self, placed: &Placed) -> Result<Made, Fault> {
-        let (instances, work) = (self.instances, self.work);
+        let (instances, work, effort) = (self.instances, self.work, self.effort);
         let units = self.units(placed.context);
         let off = Cell::new(Off::default());
-        let geometry = Geometry { instances, angle: units.angle, tolerance: units.uncertainty, off: &off, work };
+        let geometry =
+            Geometry { instances, angle: units.angle, tolerance: units.uncertainty, off: &off, work, effort };
         let is_face = matches!(instances.keyword(placed.number), "ADVANCED_FACE" | "FACE_SURFACE");
         let source = if is_face {
             topology::face(&geometry, placed.number)

@@ -1,6 +1,6 @@
 //! The blossom (polar form) of a spline: the one tool behind Bézier extraction, knot insertion and degree elevation.
 
-use crate::{KnotVector, MAX_ORDER};
+use crate::{KnotVector, MAX_ORDER, NurbsError};
 use glam::DVec4;
 
 /// The blossom of the polynomial on `span` at `arguments` (degree many, in any order).
@@ -69,6 +69,33 @@ pub(crate) fn reexpress(knots: &KnotVector, control: &[DVec4], finer: &KnotVecto
             sum / q as f64
         })
         .collect()
+}
+
+/// The part of a spline over a range of its domain, with the same parameter, clamped at both ends: its knots and control points.
+///
+/// The points are within 4 p ulp of the largest control point (Piegl & Tiller, Sec. 5.2, here by blossoms); a clamped spline over its
+/// whole domain stays as it is. `control` holds as many homogeneous points (w x, w y, w z, w) as `knots` asks for.
+///
+/// # Errors
+/// [`NurbsError::EmptyDomain`] where the range is empty, [`NurbsError::OutsideDomain`] where it is not in the domain.
+pub fn restricted(
+    knots: &KnotVector,
+    control: &[DVec4],
+    [start, end]: [f64; 2],
+) -> Result<(KnotVector, Vec<DVec4>), NurbsError> {
+    let (p, u, (first, last)) = (knots.degree(), knots.knots(), knots.domain());
+    if let Some(value) = [start, end].into_iter().find(|t| !(first <= *t && *t <= last)) {
+        return Err(NurbsError::OutsideDomain { value, start: first, end: last });
+    }
+    if [start, end] == [first, last] && knots.is_clamped() {
+        return Ok((knots.clone(), control.to_vec()));
+    }
+    let inner = u.iter().copied().filter(|k| start < *k && *k < end);
+    let ends = [start, end].map(|t| vec![t; p + 1]);
+    let finer: Vec<f64> = ends[0].iter().copied().chain(inner).chain(ends[1].iter().copied()).collect();
+    let finer = KnotVector::new(p, finer)?;
+    let points = reexpress(knots, control, &finer);
+    Ok((finer, points))
 }
 
 /// A nonempty span of `knots` inside [finer_i, finer_{i+q+1}] and the domain.

@@ -32,6 +32,7 @@ pub use approximation::{Bicubic, BicubicSurface};
 pub use basis::basis_derivatives;
 pub use bezier::BezierPatch;
 pub use bezier_curve::{BezierCurve, Rectangle};
+pub use blossom::restricted;
 pub use bounds::DerivativeBounds;
 pub use cone::Cone;
 pub use curve::Curve;

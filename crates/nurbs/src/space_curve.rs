@@ -1,6 +1,6 @@
 //! NURBS curves in space: the profiles that Wildcat trims surfaces with, and the edges of files.
 
-use crate::blossom::{blossom, reexpress};
+use crate::blossom::{blossom, restricted};
 use crate::surface::usable;
 use crate::weights::checked_weights;
 use crate::{KnotVector, MAX_DEGREE, NurbsError};
@@ -39,24 +39,12 @@ impl SpaceCurve {
         weights().any(|w| w != 1.0).then(|| weights().collect())
     }
 
-    /// The part of the curve over a range of its domain, with the same parameter, clamped at both ends: the same points to
-    /// 4 p ulp (Piegl & Tiller, Sec. 5.2, here by blossoms).
+    /// The part of the curve over a range of its domain, with the same parameter, clamped at both ends, as [`restricted`] has it.
     ///
     /// # Errors
-    /// [`NurbsError::EmptyDomain`] where the range is empty, [`NurbsError::OutsideDomain`] where it is not in the domain.
-    pub fn restricted(&self, [start, end]: [f64; 2]) -> Result<Self, NurbsError> {
-        let (p, u, (first, last)) = (self.knots.degree(), self.knots.knots(), self.knots.domain());
-        if let Some(value) = [start, end].into_iter().find(|t| !(first <= *t && *t <= last)) {
-            return Err(NurbsError::OutsideDomain { value, start: first, end: last });
-        }
-        if [start, end] == [first, last] && self.knots.is_clamped() {
-            return Ok(self.clone());
-        }
-        let inner = u.iter().copied().filter(|k| start < *k && *k < end);
-        let ends = [start, end].map(|t| vec![t; p + 1]);
-        let knots: Vec<f64> = ends[0].iter().copied().chain(inner).chain(ends[1].iter().copied()).collect();
-        let knots = KnotVector::new(p, knots)?;
-        let homogeneous = reexpress(&self.knots, &self.homogeneous, &knots);
+    /// Those of [`restricted`].
+    pub fn restricted(&self, range: [f64; 2]) -> Result<Self, NurbsError> {
+        let (knots, homogeneous) = restricted(&self.knots, &self.homogeneous, range)?;
         Ok(Self { knots, homogeneous })
     }
 

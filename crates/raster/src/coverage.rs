@@ -4,32 +4,49 @@ use crate::rect::Rect;
 use crate::setup::Triangle;
 
 /// Calls `visit` with every pixel of `rect` whose centre the triangle covers, row by row.
+///
+/// Of each row the columns are worked out and not looked for: a long sliver lies in many tiles, and covers little of each.
 pub fn for_each_covered(triangle: &Triangle, rect: Rect, mut visit: impl FnMut(i32, i32)) {
     let rect = rect.intersection(triangle.bounds());
     if rect.is_empty() {
         return;
     }
     let edges = triangle.edges();
-    let [step_0, step_1, step_2] = edges.map(|e| e.step());
+    let steps = edges.map(|e| e.step());
     // Values less what the top-left rule asks for: covered where none is negative.
     let mut row = edges.map(|e| e.at(rect.left, rect.top) - e.least());
-    for y in rect.top..rect.bottom {
-        let [mut e0, mut e1, mut e2] = row;
-        let mut entered = false;
-        for x in rect.left..rect.right {
-            if e0 | e1 | e2 >= 0 {
-                entered = true;
-                visit(x, y);
-            } else if entered {
-                // A triangle is convex: the rest of the row is outside.
-                break;
-            }
-            e0 += step_0[0];
-            e1 += step_1[0];
-            e2 += step_2[0];
-        }
-        row = [row[0] + step_0[1], row[1] + step_1[1], row[2] + step_2[1]];
+    let [columns, rows] = [rect.right - rect.left - 1, rect.bottom - rect.top - 1].map(i64::from);
+    let greatest = |i: usize| row[i] + (steps[i][0] * columns).max(0) + (steps[i][1] * rows).max(0);
+    if (0..3).any(|i| greatest(i) < 0) {
+        return;
     }
+    for y in rect.top..rect.bottom {
+        if let Some([first, last]) = columns_of(row, steps.map(|step| step[0]), columns) {
+            for x in rect.left + first as i32..=rect.left + last as i32 {
+                visit(x, y);
+            }
+        }
+        row = std::array::from_fn(|i| row[i] + steps[i][1]);
+    }
+}
+
+/// The first and the last column, of 0 … `last`, in which none of three values is negative that begin as `values` and grow by `steps`
+/// from column to column.
+#[inline]
+fn columns_of(values: [i64; 3], steps: [i64; 3], last: i64) -> Option<[i64; 2]> {
+    let (mut low, mut high) = (0, last);
+    for (value, step) in values.into_iter().zip(steps) {
+        let end = value + step * last;
+        if value < 0 {
+            if end < 0 {
+                return None;
+            }
+            low = low.max((step - 1 - value) / step);
+        } else if end < 0 {
+            high = high.min(value / -step);
+        }
+    }
+    (low <= high).then_some([low, high])
 }
 
 /// Whether the triangle covers the centre of one pixel.

@@ -14,6 +14,9 @@ use std::collections::BTreeSet;
 /// A share of a period below which two parameters are one.
 const SAME: f64 = 1e-9;
 
+/// A share of the greatest coordinate within which an edge is on its surface: what a file's decimals and rounding leave.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// A part of a loop.
 pub(super) struct Part<'u> {
     pub path: Path<'u>,
@@ -44,6 +47,11 @@ impl Part<'_> {
         if self.reversed { self.path.places().rev().collect() } else { self.path.places().collect() }
     }
 
+    /// How far a trim may be from its edge by rounding alone, model units.
+    fn rounding(&self, shape: &Shape) -> f64 {
+        ROUNDING * self.path.uv.iter().map(|uv| shape.point(*uv).abs().max_element()).fold(0.0, f64::max)
+    }
+
     pub fn trims(
         &self,
         source: &Source,
@@ -52,20 +60,27 @@ impl Part<'_> {
         tolerance: f64,
         found: &mut Found,
     ) -> Result<Vec<Trim>, FaceError> {
-        let mut trims = match (&source.shape, self.path.given_curve(), &self.edge.space) {
+        let (mut trims, error) = match (&source.shape, self.path.given_curve(), &self.edge.space) {
             // A plane's coordinates are an affine map, under which splines stay splines.
             (Shape::Plane(frame), None, Some(space)) => {
-                plane_trims(&space.curve.splines(space.range)?, |p| frame.local(p).truncate() + self.path.offset)?
+                let map = |p: DVec3| frame.local(p).truncate() + self.path.offset;
+                (plane_trims(&space.curve.splines(space.range)?, map)?, 0.0)
             }
             (_, Some(given), _) if patch.is_same() && self.path.iso.is_none() => {
-                plane_trims(&given.curve.splines(given.range)?, |p| p.truncate() + self.path.offset)?
+                let map = |p: DVec3| p.truncate() + self.path.offset;
+                (plane_trims(&given.curve.splines(given.range)?, map)?, 0.0)
             }
             _ => {
                 let Fitted { trim, error } = fit(&self.path, inverter, patch, tolerance)?;
-                found.error = found.error.max(error);
-                vec![trim]
+                (vec![trim], error)
             }
         };
+        found.error = found.error.max(error);
+        // Of an edge that the trim is, but for rounding, there is nothing to say.
+        let off = if self.path.is_found() { self.path.gap.max(error) } else { error };
+        if self.rounding(&source.shape) < off {
+            found.followed += 1;
+        }
         if self.reversed {
             trims.reverse();
         }
@@ -117,9 +132,7 @@ impl<'u> Closed<'u> {
                 (None, Some(space)) => Path::found(shape, inverter, space, tolerance),
                 (None, None) => return Err(FaceError::NoCurve),
             };
-            if path.is_found() {
-                found.projected += 1;
-            } else {
+            if !path.is_found() {
                 path.find_poles(shape, inverter, tolerance);
             }
             found.gap = found.gap.max(path.gap);

@@ -44,7 +44,7 @@ pub(crate) fn fit(path: &Path, inverter: &Inverter, patch: &Patch, tolerance: f6
     if path.iso.is_some() {
         let [start, end] = path.ends().map(|uv| patch.parameters(uv));
         let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0])?;
-        return Ok(Fitted { trim: Trim::new(knots, vec![start, end], None), error: 0.0 });
+        return Ok(Fitted { trim: Trim::new(knots, vec![start, end], None), error: path.straightened });
     }
     let at = |s: f64| patch.parameters(path.at(inverter, s, tolerance));
     let point = |uv: DVec2| patch.surface.point(uv.x, uv.y);

@@ -7,7 +7,7 @@ use crate::document::{Attributes, Document, Note, Unit};
 use crate::error::{Cause, FormatError};
 use crate::format::file_name;
 use crate::place::Place;
-use nurbs::Surface;
+use nurbs::{NurbsError, Surface};
 use scene::{Face, Model};
 use std::collections::BTreeMap;
 
@@ -52,6 +52,9 @@ impl Gathered {
 
     /// Adds a face where `motion` places it; `reversed` says that what holds it takes it the other way round. Faces share edges
     /// only within one `instance`.
+    ///
+    /// # Errors
+    /// Those of [`Made::placed`]; then nothing is added.
     pub fn add(
         &mut self,
         number: u64,
@@ -59,9 +62,10 @@ impl Gathered {
         (motion, reversed): (&Motion, bool),
         instance: usize,
         attributes: Attributes,
-    ) {
-        self.total.add(number, &made.found);
-        let (surface, mut face) = made.placed(motion, reversed);
+    ) -> Result<(), NurbsError> {
+        let found = made.found;
+        let (surface, mut face) = made.placed(motion, reversed)?;
+        self.total.add(number, &found);
         self.room = self.room.and_then(|room| room.checked_sub(surface.points().len()));
         face.surface = self.surfaces.len();
         for trim in face.loops.iter_mut().flat_map(|l| &mut l.trims) {
@@ -71,6 +75,7 @@ impl Gathered {
         self.surfaces.push(surface);
         self.attributes.push(attributes);
         self.faces.push((usize::try_from(number).unwrap_or(usize::MAX), face));
+        Ok(())
     }
 
     pub fn is_empty(&self) -> bool {
@@ -117,7 +122,7 @@ mod tests {
         let mut gathered = Gathered { room: Some(10), ..Gathered::new(0) };
         let mut placed = 0;
         while !gathered.is_full() {
-            gathered.add(1, made.clone(), (&Motion::IDENTITY, false), 0, Attributes::default());
+            gathered.add(1, made.clone(), (&Motion::IDENTITY, false), 0, Attributes::default()).unwrap();
             placed += 1;
         }
         assert_eq!(placed, 3);

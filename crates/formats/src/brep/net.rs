@@ -7,6 +7,7 @@
 //! [`bound`]: super::bound
 
 use super::bound::patch_bound;
+use super::effort::{BOUND, Effort};
 use super::off::{Interpolated, nearest};
 use super::parallel::{Offset, OffsetError};
 use glam::DVec3;
@@ -21,9 +22,6 @@ const MOST_PATCHES: usize = 1 << 11;
 /// How many boxes of parameters are tried in the search for a bound: so many, and more for each patch.
 const BOXES: usize = 1 << 12;
 const BOXES_A_PATCH: usize = 4;
-
-/// At how many places a patch is evaluated: 36 nodes, and 85 between them.
-pub(super) const PLACES: usize = 121;
 
 /// A part of a direction within one span of the surface.
 #[derive(Debug, Clone, Copy)]
@@ -60,15 +58,26 @@ impl Part {
 /// The surface at `distance`, within `aim`, model units, or as near as halving comes, within `most`.
 ///
 /// # Errors
-/// [`OffsetError::NoNormal`], [`OffsetError::Rough`], and where points are too far off to be a surface.
-pub(super) fn net(surface: &Surface, distance: f64, [aim, most]: [f64; 2]) -> Result<Offset<Surface>, OffsetError> {
-    let (made, off) = nearest(most, |share| interpolated(surface, distance, [share * aim, most]))?;
+/// [`OffsetError::NoNormal`], [`OffsetError::Rough`], [`OffsetError::Costly`], and where points are too far off to be a surface.
+pub(super) fn net(
+    surface: &Surface,
+    distance: f64,
+    [aim, most]: [f64; 2],
+    effort: &Effort,
+) -> Result<Offset<Surface>, OffsetError> {
+    let (made, off) = nearest(most, |share| interpolated(surface, distance, [share * aim, most], effort))?;
     Ok(Offset { made, off })
 }
 
-fn interpolated(surface: &Surface, distance: f64, [aim, most]: [f64; 2]) -> Result<Interpolated<Surface>, OffsetError> {
+fn interpolated(
+    surface: &Surface,
+    distance: f64,
+    [aim, most]: [f64; 2],
+    effort: &Effort,
+) -> Result<Interpolated<Surface>, OffsetError> {
     let mut parts = [Direction::U, Direction::V].map(|direction| Part::of(surface, direction));
     let place = |u: &Part, v: &Part, x: f64, y: f64| {
+        effort.spend(1)?;
         let (u_at, v_at) = (u.at(x), v.at(y));
         let at = surface.inspect_on(u.span, v.span, u_at, v_at);
         let normal = at.normal.unit().ok_or(OffsetError::NoNormal(u_at, v_at))?;
@@ -99,7 +108,10 @@ fn interpolated(surface: &Surface, distance: f64, [aim, most]: [f64; 2]) -> Resu
         let is_finer = count < finer[0].len() * finer[1].len();
         let is_last = halving == HALVINGS || !is_finer || MOST_PATCHES < finer[0].len() * finer[1].len();
         if off <= if is_last { most } else { aim } {
-            let (made, bound) = (patches(&parts, &nodes)?, bound(surface, &parts, distance, most));
+            let mut boxes = BOXES + BOXES_A_PATCH * count;
+            let (all, bound) = (boxes, bound(surface, &parts, distance, most, &mut boxes));
+            effort.spend(BOUND * (all - boxes))?;
+            let made = patches(&parts, &nodes)?;
             return Ok(Interpolated { made, measured: off, bound });
         }
         if is_last {
@@ -148,10 +160,10 @@ fn measured(
     Ok(off)
 }
 
-/// How far the patches are off at most, all of them; `None` where no bound within `limit` was found for one.
-fn bound(surface: &Surface, [us, vs]: &[Vec<Part>; 2], distance: f64, limit: f64) -> Option<f64> {
+/// How far the patches are off at most, all of them; `None` where no bound within `limit` was found for one before so many `boxes` were
+/// tried.
+fn bound(surface: &Surface, [us, vs]: &[Vec<Part>; 2], distance: f64, limit: f64, boxes: &mut usize) -> Option<f64> {
     let mut most = 0.0f64;
-    let mut boxes = BOXES + BOXES_A_PATCH * us.len() * vs.len();
     let (mut span, mut whole) = (None, None);
     for u in us {
         for v in vs {
@@ -161,7 +173,7 @@ fn bound(surface: &Surface, [us, vs]: &[Vec<Part>; 2], distance: f64, limit: f64
             }
             let patch = whole.as_ref().expect("that of the span");
             let patch = cut(cut(patch.clone(), u.range, Direction::U), v.range, Direction::V);
-            most = most.max(patch_bound(&patch, distance, limit, &mut boxes)?);
+            most = most.max(patch_bound(&patch, distance, limit, boxes)?);
         }
     }
     Some(most)

@@ -8,27 +8,13 @@
 
 use super::across::{Across, Ramp};
 use super::curve::Curve;
+use super::effort::Effort;
 use super::fit::{acceptable, fitting};
 use super::frame::Frame;
-use super::net::{PLACES, net};
+use super::net::net;
 use super::off::Off;
 use super::parallel::{Offset, OffsetError, along};
 use super::shape::{Profile, Shape};
-use nurbs::Direction;
-
-/// What it costs at most to find that there is no offset, in places that are evaluated.
-pub(crate) const IN_VAIN: usize = 1 << 18;
-
-/// What the offset of a shape costs at least, in places that are evaluated.
-pub(crate) fn cost(shape: &Shape) -> usize {
-    match shape {
-        Shape::Spline { surface, .. } => {
-            let spans = [Direction::U, Direction::V].map(|direction| surface.knots(direction).spans().count());
-            PLACES * spans[0] * spans[1]
-        }
-        _ => 1,
-    }
-}
 
 /// How many control points an offset has: halving may make many of one.
 pub(crate) fn size(shape: &Shape) -> usize {
@@ -47,13 +33,15 @@ pub(crate) fn offset(
     distance: f64,
     ends: Option<[[f64; 2]; 2]>,
     tolerance: f64,
+    effort: &Effort,
 ) -> Result<Offset<Shape>, OffsetError> {
     let exact = |made: Shape| Offset { made, off: Off::default() };
     let even = Ramp::even(distance);
     match shape {
         Shape::Plane(frame) => Ok(exact(Shape::Plane(Frame { origin: frame.origin + frame.z * distance, ..*frame }))),
         Shape::Revolved { frame, profile: Profile::Curve(curve) } => {
-            let Offset { made, off } = along(curve, &Across::Outward(*frame), even, ends.map(|[_, v]| v), tolerance)?;
+            let Offset { made, off } =
+                along(curve, &Across::Outward(*frame), even, ends.map(|[_, v]| v), tolerance, effort)?;
             Ok(Offset { made: Shape::Revolved { frame: *frame, profile: Profile::Curve(made) }, off })
         }
         Shape::Revolved { frame, profile } => {
@@ -67,14 +55,14 @@ pub(crate) fn offset(
                     let by = across.unit(curve, 0.0).ok_or(OffsetError::NoDirection(0.0))? * distance;
                     Offset { made: Curve::Line { origin: *origin + by, direction: *direction }, off: Off::default() }
                 }
-                curve => along(curve, &across, even, ends.map(|[u, _]| u), tolerance)?,
+                curve => along(curve, &across, even, ends.map(|[u, _]| u), tolerance, effort)?,
             };
             Ok(Offset { made: Shape::Extruded { curve: made, vector: *vector }, off })
         }
         Shape::Spline { surface, closed } => {
             let size = surface.hull().diagonal().max(distance.abs());
             let within = [fitting(tolerance, size), acceptable(tolerance, size)];
-            let Offset { made, off } = net(surface, distance, within)?;
+            let Offset { made, off } = net(surface, distance, within, effort)?;
             Ok(Offset { made: Shape::Spline { surface: made, closed: *closed }, off })
         }
     }
@@ -152,7 +140,7 @@ mod tests {
         let straight = Curve::Line { origin: DVec3::X, direction: DVec3::new(1.0, 2.0, 0.0) };
         let plane = Shape::Extruded { curve: straight, vector: DVec3::new(0.0, 1.0, 3.0) };
         for shape in [Shape::Plane(frame), line(2.0, 0.0), line(2.0, -0.5), plane].iter().chain(&round) {
-            let Offset { made, off } = offset(shape, DISTANCE, None, TOLERANCE).unwrap();
+            let Offset { made, off } = offset(shape, DISTANCE, None, TOLERANCE, &Effort::new(0)).unwrap();
             assert!(off.most == 0.0 && farthest(shape, &made, [[0.1, 5.0], [-0.9, 0.6]]) < 1e-9, "{shape:?}");
         }
     }
@@ -171,7 +159,7 @@ mod tests {
             Shape::spline(wave(), TOLERANCE),
         ];
         for shape in shapes {
-            let Offset { made, off } = offset(&shape, DISTANCE, None, TOLERANCE).unwrap();
+            let Offset { made, off } = offset(&shape, DISTANCE, None, TOLERANCE, &Effort::new(0)).unwrap();
             let rectangle = shape.natural().map(|[a, b]| if a.is_finite() { [a, b] } else { [0.0, 1.0] });
             let found = farthest(&shape, &made, rectangle);
             // Differences of 1e-5 are good to 1e-9.
@@ -188,7 +176,7 @@ mod tests {
         let at = |k: usize| DVec3::new((k / 6) as f64, (k % 6) as f64, 0.75 * ((7 * k) as f64).sin());
         let waves = Surface::new(knots.clone(), knots, (0..36).map(at).collect(), None).unwrap();
         let (size, shape) = (waves.hull().diagonal(), Shape::spline(waves, 0.0));
-        let Offset { made, off } = offset(&shape, DISTANCE, None, 0.0).unwrap();
+        let Offset { made, off } = offset(&shape, DISTANCE, None, 0.0, &Effort::new(0)).unwrap();
         let found = farthest(&shape, &made, shape.natural());
         assert!(fitting(0.0, size) < off.most, "{off:?}");
         assert!(off.most <= 1e-8 * size && found <= off.most + 2e-9, "{off:?} {found:e}");
@@ -200,7 +188,7 @@ mod tests {
         let knots = || KnotVector::new(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]).unwrap();
         let at = |k: usize| DVec3::new((k / 3) as f64, (k % 3) as f64, 0.1 * ((k * k) as f64).sin());
         let shape = Shape::spline(Surface::new(knots(), knots(), (0..9).map(at).collect(), None).unwrap(), TOLERANCE);
-        let Offset { made, off } = offset(&shape, DISTANCE, None, TOLERANCE).unwrap();
+        let Offset { made, off } = offset(&shape, DISTANCE, None, TOLERANCE, &Effort::new(0)).unwrap();
         let found = farthest(&shape, &made, shape.natural());
         assert!(!off.is_measured && off.most <= 1e-6 && found <= off.most + 2e-9, "{off:?} {found:e}");
     }
@@ -211,7 +199,7 @@ mod tests {
         let dome = spline([[2.0, 0.0, 0.0], [2.0, 0.0, 1.0], [1.5, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 0.0, 2.0]]);
         let about = Frame::new(DVec3::ZERO, None, None).unwrap();
         let shape = Shape::Revolved { frame: about, profile: Profile::Curve(dome) };
-        let Offset { made, .. } = offset(&shape, DISTANCE, None, TOLERANCE).unwrap();
+        let Offset { made, .. } = offset(&shape, DISTANCE, None, TOLERANCE, &Effort::new(0)).unwrap();
         assert!(made.point(DVec2::new(0.3, 1.0)).distance(DVec3::new(0.0, 0.0, 2.0 + DISTANCE)) < 1e-9);
     }
 
@@ -219,18 +207,20 @@ mod tests {
     fn what_has_no_offset_is_an_error() {
         let line = Curve::Line { origin: DVec3::X, direction: DVec3::new(0.0, 1.0, 1.0) };
         let endless = Shape::Revolved { frame: frame(), profile: Profile::Curve(line) };
-        assert!(matches!(offset(&endless, 1.0, None, TOLERANCE), Err(OffsetError::Endless)));
+        assert!(matches!(offset(&endless, 1.0, None, TOLERANCE, &Effort::new(0)), Err(OffsetError::Endless)));
         let ball = Shape::Revolved { frame: frame(), profile: Profile::sphere(1.0) };
-        assert!(matches!(offset(&ball, -1.5, None, TOLERANCE), Err(OffsetError::Nothing)));
+        assert!(matches!(offset(&ball, -1.5, None, TOLERANCE, &Effort::new(0)), Err(OffsetError::Nothing)));
         // A roof: its normals differ along the ridge.
         let knots = |inner: &[f64]| KnotVector::new(1, [&[0.0, 0.0], inner, &[1.0, 1.0]].concat()).unwrap();
         let row = |i: usize, z: f64| [0.0, 1.0].map(|y| DVec3::new(i as f64, y, z));
         let roof = [row(0, 0.0), row(1, 1.0), row(2, 0.0)].concat();
         let roof = Surface::new(knots(&[0.5]), knots(&[]), roof, None).unwrap();
-        let error = offset(&Shape::spline(roof, TOLERANCE), 0.1, None, TOLERANCE).unwrap_err();
+        let error = offset(&Shape::spline(roof, TOLERANCE), 0.1, None, TOLERANCE, &Effort::new(0)).unwrap_err();
         assert!(matches!(error, OffsetError::Rough { off, .. } if 0.01 < off), "{error}");
         let point = Surface::new(knots(&[]), knots(&[]), vec![DVec3::X; 4], None).unwrap();
-        let error = offset(&Shape::Spline { surface: point, closed: [false; 2] }, 0.1, None, TOLERANCE).unwrap_err();
+        let error =
+            offset(&Shape::Spline { surface: point, closed: [false; 2] }, 0.1, None, TOLERANCE, &Effort::new(0))
+                .unwrap_err();
         assert!(matches!(error, OffsetError::NoNormal(..)), "{error}");
     }
 }

@@ -8,6 +8,7 @@
 use super::across::{Across, Ramp};
 use super::bound::curve_bound;
 use super::curve::Curve;
+use super::effort::{BOUND, Effort, Spent};
 use super::fit::{acceptable, fitting};
 use super::off::{Interpolated, Off, nearest};
 use glam::{DVec2, DVec3};
@@ -45,6 +46,8 @@ pub(crate) enum OffsetError {
     )]
     Rough { off: f64, tolerance: f64 },
     #[error("{0}")]
+    Costly(#[from] Spent),
+    #[error("{0}")]
     Nurbs(#[from] NurbsError),
 }
 
@@ -59,6 +62,7 @@ pub(crate) fn sideways(
     ramp: Ramp,
     range: Option<[f64; 2]>,
     tolerance: f64,
+    effort: &Effort,
 ) -> Result<Offset<Curve>, OffsetError> {
     let across = Across::Beside(-reference);
     match curve {
@@ -76,7 +80,7 @@ pub(crate) fn sideways(
             let made = Curve::Ellipse { frame: *frame, radii: DVec2::splat(radius) };
             if 0.0 < radius { Ok(Offset { made, off: Off::default() }) } else { Err(OffsetError::Nothing) }
         }
-        curve => along(curve, &across, ramp, range, tolerance),
+        curve => along(curve, &across, ramp, range, tolerance, effort),
     }
 }
 
@@ -90,12 +94,17 @@ pub(crate) fn along(
     ramp: Ramp,
     range: Option<[f64; 2]>,
     tolerance: f64,
+    effort: &Effort,
 ) -> Result<Offset<Curve>, OffsetError> {
     let whole = curve.domain().or(curve.period().map(|period| [0.0, period]));
     let range = whole.or(range).ok_or(OffsetError::Endless)?;
     let [start, end] = range;
-    let lost = Cell::new(None);
+    let (lost, spent) = (Cell::new(None), Cell::new(Ok(())));
     let at = |t: f64| {
+        if let Err(no_more) = effort.spend(1) {
+            spent.set(Err(no_more));
+            return curve.point(t);
+        }
         let across = across.unit(curve, t);
         if across.is_none() {
             lost.set(Some(t));
@@ -109,6 +118,7 @@ pub(crate) fn along(
     let (made, off) = nearest(most, |share| {
         let halving = Halving { tolerance: share * fitting(tolerance, size), depth: HALVINGS, parts: MOST_PARTS };
         let Quintics { knots, points, error } = quintics(&breaks, at, |a, b| a.distance(b), halving);
+        spent.get()?;
         if let Some(t) = lost.get() {
             return Err(OffsetError::NoDirection(t));
         }
@@ -116,6 +126,7 @@ pub(crate) fn along(
             return Err(OffsetError::Rough { off: error, tolerance: most });
         }
         let ends: Vec<f64> = knots[QUINTIC..knots.len() - QUINTIC].iter().step_by(QUINTIC).copied().collect();
+        effort.spend(BOUND * ends.len())?;
         let mut bounds = ends.windows(2).map(|part| curve_bound(curve, [part[0], part[1]], across, ramp));
         let bound = bounds.try_fold(0.0f64, |most, bound| Some(most.max(bound?)));
         let spline = SpaceCurve::new(KnotVector::new(QUINTIC, knots)?, &points, None)?;
@@ -158,7 +169,7 @@ mod tests {
         for curve in [line, ellipse(2.0, 2.0), ellipse(3.0, 2.0), arch()] {
             let reference = if matches!(curve, Curve::Ellipse { .. }) { frame.z } else { DVec3::Z };
             for (reference, ramp) in [reference, -reference].into_iter().flat_map(|r| ramps.map(|ramp| (r, ramp))) {
-                let Offset { made, off } = sideways(&curve, reference, ramp, None, TOLERANCE).unwrap();
+                let Offset { made, off } = sideways(&curve, reference, ramp, None, TOLERANCE, &Effort::new(0)).unwrap();
                 let found = farthest(&curve, &made, reference, ramp);
                 assert!(off.most <= 1e-6 && found <= off.most + 1e-9, "{off:?} {found:e} {curve:?}");
                 assert!(!off.is_measured, "{curve:?}");
@@ -171,11 +182,20 @@ mod tests {
     fn a_curve_without_a_way_across_is_an_error() {
         let even = Ramp::even(1.0);
         let line = Curve::Line { origin: DVec3::ZERO, direction: DVec3::Z };
-        assert!(matches!(sideways(&line, DVec3::Z, even, None, TOLERANCE), Err(OffsetError::NoDirection(_))));
+        assert!(matches!(
+            sideways(&line, DVec3::Z, even, None, TOLERANCE, &Effort::new(0)),
+            Err(OffsetError::NoDirection(_))
+        ));
         let corner = Curve::polyline(&[DVec3::ZERO, DVec3::X, DVec3::ONE], TOLERANCE).unwrap();
-        assert!(matches!(sideways(&corner, DVec3::Z, even, None, TOLERANCE), Err(OffsetError::Rough { .. })));
+        assert!(matches!(
+            sideways(&corner, DVec3::Z, even, None, TOLERANCE, &Effort::new(0)),
+            Err(OffsetError::Rough { .. })
+        ));
         let parabola = Curve::Parabola { frame: Frame::new(DVec3::ZERO, None, None).unwrap(), focal: 1.0 };
-        assert!(matches!(sideways(&parabola, DVec3::Z, even, None, TOLERANCE), Err(OffsetError::Endless)));
+        assert!(matches!(
+            sideways(&parabola, DVec3::Z, even, None, TOLERANCE, &Effort::new(0)),
+            Err(OffsetError::Endless)
+        ));
     }
 
     #[test]
@@ -185,7 +205,8 @@ mod tests {
         let hyperbola = Curve::Hyperbola { frame, radii: DVec2::new(2.0, 1.0) };
         for curve in [parabola, hyperbola] {
             let ramp = Ramp::even(0.25);
-            let Offset { made, off } = sideways(&curve, frame.z, ramp, Some([-0.5, 2.5]), TOLERANCE).unwrap();
+            let Offset { made, off } =
+                sideways(&curve, frame.z, ramp, Some([-0.5, 2.5]), TOLERANCE, &Effort::new(0)).unwrap();
             assert_eq!(made.domain(), Some([-0.5, 2.5]));
             let found = farthest(&curve, &made, frame.z, ramp);
             assert!(!off.is_measured && off.most <= 1e-6 && found <= off.most + 1e-9, "{off:?} {found:e}");

@@ -76,6 +76,8 @@ pub(crate) struct Path<'u> {
     pub offset: DVec2,
     /// The parameter that is constant along the path, and its value.
     pub iso: Option<(usize, f64)>,
+    /// How far the samples are moved by that on the surface, model units.
+    pub straightened: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -94,7 +96,7 @@ impl<'u> Path<'u> {
         let distance = |(s, uv): (&f64, &DVec2)| space.map_or(0.0, |space| shape.point(*uv).distance(space.point(*s)));
         let gap = samples.iter().zip(&uv).map(distance).fold(0.0, f64::max);
         let offset = shape.turns(uv[uv.len() / 2]);
-        Self { source: Source::Given(plane), samples, uv, free: [None; 2], gap, offset, iso: None }
+        Self { source: Source::Given(plane), samples, uv, free: [None; 2], gap, offset, iso: None, straightened: 0.0 }
     }
 
     /// Measures how far the path is from the edge in space where the two begin and end together, to `tolerance`, and run at
@@ -150,7 +152,7 @@ impl<'u> Path<'u> {
             }
             uv.push(inverse.uv);
         }
-        Self { source: Source::Found(space), samples, uv, free, gap, offset: DVec2::ZERO, iso: None }
+        Self { source: Source::Found(space), samples, uv, free, gap, offset: DVec2::ZERO, iso: None, straightened: 0.0 }
     }
 
     /// Notes at which ends the path meets a pole; for a path that the file gives.
@@ -227,17 +229,19 @@ impl<'u> Path<'u> {
     pub fn straighten(&mut self, shape: &Shape, tolerance: f64) {
         let first = self.uv[0];
         for axis in [0, 1] {
-            let is_constant = |uv: &DVec2| {
+            let moved = |uv: &DVec2, value: f64| {
                 let mut straight = *uv;
-                straight[axis] = first[axis];
-                straight == *uv || shape.point(straight).distance(shape.point(*uv)) <= tolerance
+                straight[axis] = value;
+                if straight == *uv { 0.0 } else { shape.point(straight).distance(shape.point(*uv)) }
             };
             let moves = |pair: &[DVec2]| pair[1][1 - axis] - pair[0][1 - axis];
             let ahead = (self.uv[self.uv.len() - 1] - first)[1 - axis];
             let is_monotone = self.uv.windows(2).all(|pair| 0.0 <= moves(pair) * ahead);
-            if is_monotone && self.uv.iter().all(is_constant) {
+            if is_monotone && self.uv.iter().all(|uv| moved(uv, first[axis]) <= tolerance) {
                 // Near a pole all values are constant: the middle of the path decides.
-                self.iso = Some((axis, self.uv[self.uv.len() / 2][axis]));
+                let value = self.uv[self.uv.len() / 2][axis];
+                self.iso = Some((axis, value));
+                self.straightened = self.uv.iter().map(|uv| moved(uv, value)).fold(0.0, f64::max);
                 return;
             }
         }

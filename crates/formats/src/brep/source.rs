@@ -41,30 +41,29 @@ pub(crate) struct Made {
 
 impl Made {
     /// The surface and the face at a place; `reversed` says that what holds the face takes it the other way round.
-    pub fn placed(self, motion: &Motion, reversed: bool) -> (Surface, Face) {
+    ///
+    /// # Errors
+    /// Where it is too far away, too large or too small there to be drawn.
+    pub fn placed(self, motion: &Motion, reversed: bool) -> Result<(Surface, Face), NurbsError> {
         let Self { surface, mut face, .. } = self;
         face.reversed ^= reversed;
         if *motion == Motion::IDENTITY {
-            return (surface, face);
+            return Ok((surface, face));
         }
         face.reversed ^= motion.mirrors();
         face.tolerance *= motion.factor();
         let [u, v] = [Direction::U, Direction::V].map(|direction| surface.knots(direction).clone());
         let points = surface.points().iter().map(|p| motion.point(*p)).collect();
         let weights = surface.weights().map(<[f64]>::to_vec);
-        match Surface::new(u, v, points, weights) {
-            Ok(moved) => (moved, face),
-            // Too far away to be drawn: where it stands it can be.
-            Err(_) => (surface, face),
-        }
+        Ok((Surface::new(u, v, points, weights)?, face))
     }
 }
 
 /// What was found by approximation.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Found {
-    /// Edges that the file does not give in (u, v), or not on the surface.
-    pub projected: usize,
+    /// Edges whose trims are near them alone: not given in (u, v), or not on the surface, or as no spline in its parameters.
+    pub followed: usize,
     /// How far any trim was measured to be from its path, model units.
     pub error: f64,
     /// How far any edge was measured to be from the surface, model units.

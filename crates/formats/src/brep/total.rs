@@ -28,7 +28,7 @@ struct Beside {
 
 impl Total {
     pub fn add(&mut self, face: u64, found: &Found) {
-        if 0 < found.projected {
+        if 0 < found.followed {
             self.faces += 1;
             self.first.get_or_insert(face);
         }
@@ -38,7 +38,7 @@ impl Total {
             own.first.get_or_insert(face);
             own.most = own.most.max(found.off.most);
         }
-        self.found.projected += found.projected;
+        self.found.followed += found.followed;
         self.found.error = self.found.error.max(found.error);
         self.found.gap = self.found.gap.max(found.gap);
         if self.found.vertex < found.vertex {
@@ -49,10 +49,10 @@ impl Total {
 
     /// The notes of it; `place` says where a face stands in the file.
     pub fn notes(&self, place: impl Fn(u64) -> Place, unit: &str) -> impl Iterator<Item = Note> {
-        let Found { projected, error, gap, .. } = self.found;
+        let Found { followed, error, gap, .. } = self.found;
         let text = format!(
-            "{projected} edges of {} faces, this one the first, have no (u, v) curve on their surface: they are followed there \
-             within {error:.1e} {unit}, and are at most {gap:.1e} from it, both as measured",
+            "{followed} edges of {} faces, this one the first, are followed on their surfaces within {error:.1e} {unit}, and are at \
+             most {gap:.1e} from them, both as measured",
             self.faces
         );
         let edges = self.first.map(|face| Note { kind: NoteKind::Approximated, place: place(face), text });

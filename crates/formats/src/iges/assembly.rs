@@ -4,6 +4,7 @@ use super::entities::{Entity, Entry};
 use super::fault::{Fault, fault};
 use super::geometry::Geometry;
 use super::sheet::SURFACES;
+use super::value::Value;
 use crate::brep::frame::Motion;
 use crate::brep::gathered::TOO_MANY;
 use glam::DVec3;
@@ -90,11 +91,7 @@ impl Assembly {
             is_full: false,
         };
         for entry in entities.entries() {
-            let is_shown = match entry.kind {
-                186 | 408 | 514 => true,
-                kind => FACED.contains(&kind) || SURFACES.contains(&kind) || BODIES.contains(&kind),
-            };
-            if !is_shown || named.contains(&entry.number) {
+            if !is_shown(entry.kind) || named.contains(&entry.number) {
                 continue;
             }
             let is_part = FACED.contains(&entry.kind) || SURFACES.contains(&entry.kind);
@@ -103,14 +100,20 @@ impl Assembly {
             }
             walk.enter(entry.number, &Motion::IDENTITY, false, None);
         }
+        walk.tell_of_circles(&named);
         walk.assembly
     }
 }
 
-/// The faces, shells, surfaces and members that an entity is made of.
+/// Whether faces come of an entity of that type, or it is a body.
+fn is_shown(kind: u16) -> bool {
+    matches!(kind, 186 | 408 | 514) || FACED.contains(&kind) || SURFACES.contains(&kind) || BODIES.contains(&kind)
+}
+
+/// The faces, shells, surfaces, members and definitions that an entity is made of.
 fn parts(geometry: &Geometry, entry: &Entry) -> Result<Vec<u32>, Fault> {
     let entity = match entry.kind {
-        140 | 143 | 144 | 186 | 308 | 510 | 514 => geometry.get(entry.number)?,
+        140 | 143 | 144 | 186 | 308 | 408 | 510 | 514 => geometry.get(entry.number)?,
         402 if GROUPS.contains(&entry.form) => geometry.get(entry.number)?,
         _ => return Ok(vec![]),
     };
@@ -118,7 +121,7 @@ fn parts(geometry: &Geometry, entry: &Entry) -> Result<Vec<u32>, Fault> {
     Ok(match entry.kind {
         140 => vec![own.pointer(5)?],
         143 => vec![own.pointer(2)?],
-        144 | 510 => vec![own.pointer(1)?],
+        144 | 408 | 510 => vec![own.pointer(1)?],
         186 => shells(&entity)?.into_iter().map(|(shell, _)| shell).collect(),
         308 => own.pointers(4, own.count(3, 1)?)?,
         402 => own.pointers(2, own.count(1, 1)?)?,
@@ -145,6 +148,24 @@ fn faces(entity: &Entity) -> Result<Vec<(u32, bool)>, Fault> {
 impl Walk<'_, '_, '_> {
     fn fail(&mut self, fault: Fault) {
         self.assembly.faults.push(fault);
+    }
+
+    /// Tells of what only parts of itself name: nothing leads to it, so that it would be left out in silence.
+    fn tell_of_circles(&mut self, named: &BTreeSet<u32>) {
+        let entities = self.geometry.entities;
+        let mut reached: BTreeSet<u32> = BTreeSet::new();
+        let numbers = entities.entries().iter().map(|entry| entry.number);
+        let mut next: Vec<u32> = numbers.filter(|number| !named.contains(number)).collect();
+        while let Some(number) = next.pop() {
+            if reached.insert(number) {
+                let parts = entities.entry(number).and_then(|entry| parts(self.geometry, entry).ok());
+                next.extend(parts.unwrap_or_default());
+            }
+        }
+        for entry in entities.entries().iter().filter(|entry| is_shown(entry.kind) && !reached.contains(&entry.number))
+        {
+            self.fail(fault(entry.number, "it is a part of itself, or of what is"));
+        }
     }
 
     /// Enters an entity whose coordinates become the model's by `motion`; within `instance` where that is one.
@@ -220,11 +241,12 @@ impl Walk<'_, '_, '_> {
         let definition = own.pointer(1)?;
         let origin = DVec3::from_slice(&own.numbers(2, 3)?);
         let scale = match own.values.get(5) {
-            Some(super::value::Value::Number(scale)) => *scale,
-            _ => 1.0,
+            Some(Value::Number(scale)) => *scale,
+            Some(Value::Absent) | None => 1.0,
+            Some(_) => 0.0,
         };
         if !(0.0 < scale && scale.is_finite()) {
-            return Err(fault(entry.number, "its scale is not above 0"));
+            return Err(fault(entry.number, "its scale is no number above 0"));
         }
         if self.path.contains(&definition) {
             return Err(fault(definition, "it stands in itself"));

@@ -156,7 +156,8 @@ fn beside(geometry: &Geometry, own: Parameters, depth: usize) -> Result<Piece, F
         _ => return Err(fault(own.number, "offsets by a function are not read")),
     };
     let reference = DVec3::from_slice(&own.numbers(10, 3)?);
-    let curve = geometry.beside(own.number, sideways(&curve, reference, ramp, Some([a, b]), geometry.tolerance))?;
+    let curve = geometry
+        .beside(own.number, sideways(&curve, reference, ramp, Some([a, b]), geometry.tolerance, geometry.effort))?;
     Ok(Piece { curve, range: [start.max(a), end.min(b)] })
 }
 

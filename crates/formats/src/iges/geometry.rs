@@ -2,6 +2,7 @@
 
 use super::entities::{Entities, Entity};
 use super::fault::{Fault, fault};
+use crate::brep::effort::Effort;
 use crate::brep::frame::{Frame, Motion};
 use crate::brep::off::Off;
 use crate::brep::parallel::{Offset, OffsetError};
@@ -24,6 +25,8 @@ pub(super) struct Geometry<'f, 'b> {
     pub off: &'f Cell<Off>,
     /// How many control points and edges may still be made.
     pub work: &'f Cell<usize>,
+    /// How much offsets may still cost.
+    pub effort: &'f Effort,
 }
 
 impl Geometry<'_, '_> {

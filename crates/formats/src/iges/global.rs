@@ -57,8 +57,18 @@ impl Global {
             Some(Value::Number(number)) => Some(*number),
             _ => None,
         };
-        let scale = number(SCALE).unwrap_or(1.0);
-        let scale = if 0.0 < scale { scale } else { 1.0 };
+        let mut above_0 = |at: usize, what: &str, usual: f64| match values.get(at) {
+            None | Some(Value::Absent) => usual,
+            Some(Value::Number(number)) if 0.0 < *number && number.is_finite() => *number,
+            // Some write 0 where they state no resolution.
+            Some(Value::Number(number)) if *number == usual => usual,
+            Some(_) => {
+                damage.push((line, format!("its {what} is no number above 0: {usual} is taken")));
+                usual
+            }
+        };
+        let scale = above_0(SCALE, "model scale", 1.0);
+        let resolution = above_0(RESOLUTION, "resolution", 0.0);
         let name = match values.get(UNIT_NAME) {
             Some(Value::Text(text)) => Some(String::from_utf8_lossy(text).trim().to_owned()),
             _ => None,
@@ -72,7 +82,6 @@ impl Global {
             name: if scale == 1.0 { name.to_owned() } else { format!("{name} at scale {scale}") },
             millimetres: millimetres / scale,
         });
-        let resolution = number(RESOLUTION).filter(|resolution| 0.0 < *resolution).unwrap_or(0.0);
         Self { delimiters, unit, resolution, damage }
     }
 }

@@ -9,7 +9,7 @@ use super::spline::{cubic_surface, spline_surface};
 use super::value::Parameters;
 use crate::brep::curve::Curve;
 use crate::brep::frame::{Frame, Motion};
-use crate::brep::offset::{IN_VAIN, cost, size};
+use crate::brep::offset::size;
 use crate::brep::path::{Piece, Use};
 use crate::brep::shape::{Profile, Shape};
 use crate::brep::source::Bound;
@@ -245,11 +245,7 @@ fn offset(geometry: &Geometry, own: Parameters, depth: usize) -> Result<Sheet, F
     let d = |du: f64, dv: f64| sheet.shape.point(DVec2::new(u + du, v + dv));
     let normal = (d(STEP, 0.0) - d(-STEP, 0.0)).cross(d(0.0, STEP) - d(0.0, -STEP));
     let distance = if normal.dot(indicator) < 0.0 { -distance } else { distance };
-    geometry.spend(own.number, cost(&sheet.shape))?;
-    let offset = crate::brep::offset::offset(&sheet.shape, distance, sheet.ends, geometry.tolerance);
-    if offset.is_err() {
-        geometry.spend(own.number, IN_VAIN)?;
-    }
+    let offset = crate::brep::offset::offset(&sheet.shape, distance, sheet.ends, geometry.tolerance, geometry.effort);
     let shape = geometry.beside(own.number, offset)?;
     geometry.spend(own.number, size(&shape))?;
     Ok(Sheet { shape, ..sheet })

@@ -1,6 +1,7 @@
 //! Free-format parameters: fields between delimiters, and what they hold.
 
 use super::fault::{Fault, fault};
+use crate::document::name;
 use std::sync::Arc;
 
 /// A parameter.
@@ -132,9 +133,7 @@ fn number(text: &[u8]) -> Option<f64> {
 
 /// Text without the blanks about it; `None` for none.
 pub(super) fn words(bytes: &[u8]) -> Option<Arc<str>> {
-    let text = String::from_utf8_lossy(bytes);
-    let text = text.trim();
-    (!text.is_empty()).then(|| text.into())
+    name(&String::from_utf8_lossy(bytes))
 }
 
 /// Parameters of an entity, by position; its type stands at 0, as in the standard's tables.

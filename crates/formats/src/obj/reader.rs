@@ -2,7 +2,7 @@
 
 use super::element::{Basis, Element, Kind, Part};
 use super::statements::Statement;
-use crate::document::{Attributes, Document, Note, NoteKind};
+use crate::document::{Attributes, Document, Note, NoteKind, name};
 use crate::error::{Cause, FormatError, shorten};
 use crate::format::file_name;
 use crate::place::Place;
@@ -87,7 +87,7 @@ pub(super) struct Reader {
     /// Of `cstype`: the basis, or why it is not converted; whether weights count.
     basis: Option<(Result<Basis, String>, bool)>,
     degrees: Vec<usize>,
-    name: Arc<str>,
+    name: Option<Arc<str>>,
     open: Option<Open>,
     /// `None` for one that could not be built, so that numbers stay.
     curves: Vec<Option<Spline>>,
@@ -96,7 +96,7 @@ pub(super) struct Reader {
     surfaces: Vec<Surface>,
     faces: Vec<(usize, Face)>,
     /// The line and the name of each surface of the file.
-    origins: Vec<(usize, Arc<str>)>,
+    origins: Vec<(usize, Option<Arc<str>>)>,
     skipped: BTreeMap<&'static str, (usize, usize, &'static str)>,
     notes: Vec<Note>,
 }
@@ -163,7 +163,7 @@ impl Reader {
                 let weight = words.next().map_or(Ok(1.0), |word| number(Some(word)))?;
                 self.parameters.push(DVec3::new(u, v, weight));
             }
-            "g" | "o" => self.name = words.collect::<Vec<_>>().join(" ").into(),
+            "g" | "o" => self.name = name(&words.collect::<Vec<_>>().join(" ")),
             "cstype" => {
                 let first = words.next();
                 let is_rational = first == Some("rat");
@@ -316,7 +316,7 @@ impl Reader {
 
     fn surface_label(&self, number: usize) -> String {
         match self.origins.get(number) {
-            Some((_, name)) if !name.is_empty() => format!("surf \"{}\"", shorten(name)),
+            Some((_, Some(name))) => format!("surf \"{}\"", shorten(name)),
             _ => "surf".into(),
         }
     }
@@ -351,7 +351,7 @@ impl Reader {
         self.notes.sort_by_key(|note| if let Place::Line(line) = note.place { line } else { 0 });
         let attributes = (0..model.faces().len()).map(|index| {
             let (_, name) = &self.origins[model.number_in_file(FaceId(index as u32))];
-            Attributes { name: Some(name.clone()).filter(|name| !name.is_empty()), ..Attributes::default() }
+            Attributes { name: name.clone(), ..Attributes::default() }
         });
         Ok(Document { attributes: attributes.collect(), model, unit: None, notes: self.notes })
     }

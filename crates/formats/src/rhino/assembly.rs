@@ -8,7 +8,7 @@ use super::class::Class;
 use super::extrusion::Extrusion;
 use super::sheet::Sheet;
 use super::tables::{Record, Tables};
-use crate::document::{Attributes, Colour, Document, Layers, Note, NoteKind};
+use crate::document::{Attributes, Colour, Document, Layers, Note, NoteKind, name};
 use crate::error::{Cause, FormatError, shorten};
 use crate::format::file_name;
 use crate::place::Place;
@@ -16,7 +16,6 @@ use glam::{DMat3, DVec3};
 use nurbs::Surface;
 use scene::{Face, FaceId, Model};
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
 
 /// How deep blocks may stand in blocks.
 const DEEPEST: usize = 16;
@@ -190,14 +189,13 @@ impl Assembly<'_, '_> {
         };
         self.points += body.size();
         let (first_surface, first_edge) = (self.surfaces.len(), self.next_edge);
-        let name = &self.tables.records[k].attributes.name;
-        let name: Option<Arc<str>> = (!name.is_empty()).then(|| name.as_str().into());
         let own = &self.tables.records[k].attributes;
-        let read = || self.tables.layer_path(own).map(Arc::from).into_iter().collect();
+        let called = name(&own.name);
+        let read = || self.tables.layer_path(own).and_then(|path| name(&path)).into_iter().collect();
         let layers = self.layers.entry(own.layer).or_insert_with(read).clone();
         for mut face in body.faces {
             let surface = body.kinds[face.surface];
-            let attributes = Attributes { name: name.clone(), colour, layers: layers.clone(), surface };
+            let attributes = Attributes { name: called.clone(), colour, layers: layers.clone(), surface };
             face.surface += first_surface;
             for trim in face.loops.iter_mut().flat_map(|boundary| &mut boundary.trims) {
                 trim.edge = trim.edge.map(|edge| first_edge + edge);

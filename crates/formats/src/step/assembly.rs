@@ -12,6 +12,7 @@ use super::said::Said;
 use super::structure::{Child, REPRESENTATIONS, Structure};
 use super::styles::Styles;
 use super::units::Units;
+use crate::brep::effort::Effort;
 use crate::brep::frame::Motion;
 use crate::brep::gathered::TOO_MANY;
 use crate::brep::off::Off;
@@ -262,7 +263,14 @@ impl Walk<'_, '_> {
 
     fn mapped(&mut self, number: u64, motion: &Motion, context: Option<u64>) {
         let (work, off) = (Cell::new(usize::MAX), Cell::new(Off::default()));
-        let geometry = Geometry { instances: self.instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work };
+        let geometry = Geometry {
+            instances: self.instances,
+            angle: 1.0,
+            tolerance: 0.0,
+            off: &off,
+            work: &work,
+            effort: &Effort::new(0),
+        };
         let target = || -> Result<(u64, Motion), Fault> {
             let item = geometry.get(number)?;
             let own = item.parameters();

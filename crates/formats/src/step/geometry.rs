@@ -6,9 +6,10 @@ use super::spline::spline_parameters;
 use super::value::{Entity, Value};
 use crate::brep::across::Ramp;
 use crate::brep::curve::Curve;
+use crate::brep::effort::Effort;
 use crate::brep::frame::{Frame, Motion};
 use crate::brep::off::Off;
-use crate::brep::offset::{IN_VAIN, cost, offset, size};
+use crate::brep::offset::{offset, size};
 use crate::brep::parallel::{Offset, OffsetError, sideways};
 use crate::brep::path::Piece;
 use crate::brep::shape::{Profile, Shape};
@@ -64,6 +65,8 @@ pub(super) struct Geometry<'f, 'b> {
     pub off: &'f Cell<Off>,
     /// How many control points and edges may still be read: a few bytes may name the same large curve again and again.
     pub work: &'f Cell<usize>,
+    /// How much offsets may still cost.
+    pub effort: &'f Effort,
 }
 
 impl<'b> Geometry<'_, 'b> {
@@ -205,7 +208,10 @@ impl<'b> Geometry<'_, 'b> {
             "OFFSET_CURVE_3D" => {
                 let curve = self.curve_within(own.reference(1)?, depth + 1)?;
                 let (distance, reference) = (own.number(2)?, self.direction(own.reference(4)?)?);
-                self.beside(number, sideways(&curve, reference, Ramp::even(distance), None, self.tolerance))
+                self.beside(
+                    number,
+                    sideways(&curve, reference, Ramp::even(distance), None, self.tolerance, self.effort),
+                )
             }
             "CURVE_REPLICA" => {
                 let curve = self.curve_within(own.reference(1)?, depth + 1)?;
@@ -354,12 +360,7 @@ impl<'b> Geometry<'_, 'b> {
             }
             "OFFSET_SURFACE" => {
                 let basis = self.surface_within(own.reference(1)?, depth + 1)?;
-                self.spend(number, cost(&basis))?;
-                let offset = offset(&basis, own.number(2)?, None, self.tolerance);
-                if offset.is_err() {
-                    self.spend(number, IN_VAIN)?;
-                }
-                let shape = self.beside(number, offset)?;
+                let shape = self.beside(number, offset(&basis, own.number(2)?, None, self.tolerance, self.effort))?;
                 self.spend(number, size(&shape))?;
                 Ok(shape)
             }

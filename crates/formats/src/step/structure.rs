@@ -6,6 +6,7 @@
 use super::fault::Fault;
 use super::geometry::Geometry;
 use super::p21::Instances;
+use crate::brep::effort::Effort;
 use crate::brep::frame::{Frame, Motion};
 use crate::brep::off::Off;
 use std::cell::Cell;
@@ -140,7 +141,7 @@ fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, fault
 /// The two representations of a relationship, and the move from the first one's coordinates to the second's.
 fn related(instances: &Instances, number: u64) -> Result<(u64, u64, Motion), Fault> {
     let (work, off) = (Cell::new(usize::MAX), Cell::new(Off::default()));
-    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work };
+    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work, effort: &Effort::new(0) };
     let entity = geometry.get(number)?;
     let own = match entity.part("REPRESENTATION_RELATIONSHIP") {
         Some(part) => part,

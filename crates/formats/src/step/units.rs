@@ -1,5 +1,6 @@
 //! Units and uncertainty of a representation context.
 
+use super::fault::{Fault, fault};
 use super::p21::Instances;
 use super::text::decode;
 use super::value::Parameters;
@@ -7,6 +8,9 @@ use crate::document::Unit;
 
 /// How deep units may be converted into others.
 const DEEPEST: usize = 8;
+
+/// Why an uncertainty is not taken.
+const NO_UNCERTAINTY: &str = "it is no uncertainty of lengths: none is taken";
 
 /// Millimetres.
 const METRE: f64 = 1e3;
@@ -20,36 +24,56 @@ pub(super) struct Units {
     pub angle: f64,
     /// In units of length; 0 where it names none.
     pub uncertainty: f64,
+    /// What of it makes no sense, and is taken as if it were not there.
+    pub faults: Vec<Fault>,
 }
 
 impl Units {
     /// Those of a context; radians and no unit of length where it does not say.
     pub fn of_context(instances: &Instances, context: Option<u64>) -> Self {
-        let mut units = Self { length: None, angle: 1.0, uncertainty: 0.0 };
+        let mut units = Self { length: None, angle: 1.0, uncertainty: 0.0, faults: vec![] };
         let Some(entity) = context.and_then(|context| instances.get(context)) else { return units };
         let list = |keyword: &str| {
             let part = entity.part(keyword);
             part.and_then(|part| part.references(0).ok()).unwrap_or_default()
         };
         for unit in list("GLOBAL_UNIT_ASSIGNED_CONTEXT") {
-            let Some(found) = instances.get(unit) else { continue };
+            let Some(found) = instances.get(unit) else {
+                units.faults.push(fault(unit, "it is no unit that is known: none is taken"));
+                continue;
+            };
             if found.is("LENGTH_UNIT") {
                 units.length = unit_of(instances, unit, METRE, 0).map(|(name, millimetres)| Unit { name, millimetres });
+                if units.length.is_none() {
+                    units.faults.push(fault(unit, "it is no unit of length that is known: none is taken"));
+                }
             } else if found.is("PLANE_ANGLE_UNIT") {
-                units.angle = unit_of(instances, unit, 1.0, 0).map_or(1.0, |(_, radians)| radians);
+                let angle = unit_of(instances, unit, 1.0, 0);
+                if angle.is_none() {
+                    units.faults.push(fault(unit, "it is no unit of angles that is known: radians are taken"));
+                }
+                units.angle = angle.map_or(1.0, |(_, radians)| radians);
             }
         }
-        let measured = |measure: u64| {
-            let entity = instances.get(measure)?;
-            let own = entity.part("UNCERTAINTY_MEASURE_WITH_UNIT").or(entity.part("MEASURE_WITH_UNIT"))?;
-            let (value, unit) = (own.number(0).ok()?, own.reference(1).ok()?);
-            let (_, millimetres) =
-                instances.get(unit)?.is("LENGTH_UNIT").then(|| unit_of(instances, unit, METRE, 0))??;
-            let own_unit = units.length.as_ref().map_or(millimetres, |length| length.millimetres);
-            Some(value * (millimetres / own_unit)).filter(|u| 0.0 <= *u && u.is_finite())
-        };
-        units.uncertainty =
-            list("GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT").into_iter().filter_map(measured).fold(0.0, f64::max);
+        for measure in list("GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT") {
+            let Some(entity) = instances.get(measure) else {
+                units.faults.push(fault(measure, NO_UNCERTAINTY));
+                continue;
+            };
+            let own = entity.part("UNCERTAINTY_MEASURE_WITH_UNIT").or(entity.part("MEASURE_WITH_UNIT"));
+            let own = own.and_then(|own| Some((own.number(0).ok(), own.reference(1).ok()?)));
+            let Some((value, unit)) = own.filter(|(_, unit)| instances.get(*unit).is_some_and(|e| e.is("LENGTH_UNIT")))
+            else {
+                continue;
+            };
+            let millimetres = unit_of(instances, unit, METRE, 0).map(|(_, millimetres)| millimetres);
+            let own_unit = units.length.as_ref().map(|length| length.millimetres).or(millimetres);
+            let known = value.zip(millimetres).zip(own_unit).map(|((value, own), whole)| value * (own / whole));
+            match known.filter(|known| 0.0 <= *known && known.is_finite()) {
+                Some(known) => units.uncertainty = units.uncertainty.max(known),
+                None => units.faults.push(fault(measure, NO_UNCERTAINTY)),
+            }
+        }
         units
     }
 }

@@ -2,6 +2,7 @@
 
 use super::fault::{Fault, fault};
 use super::text::decode;
+use crate::document::name;
 use std::sync::Arc;
 
 /// How deep lists may be nested.
@@ -117,9 +118,7 @@ impl<'e, 'b> Parameters<'e, 'b> {
 
     /// A text that names something, decoded; `None` where it is blank, or what some write for that: `NONE`.
     pub fn name(self, at: usize) -> Option<Arc<str>> {
-        let text = decode(self.text(at)?);
-        let name = text.trim();
-        (!name.is_empty() && name != "NONE").then(|| name.into())
+        name(&decode(self.text(at)?)).filter(|name| &**name != "NONE")
     }
 
     pub fn list(self, at: usize) -> Result<&'e [Value<'b>], Fault> {

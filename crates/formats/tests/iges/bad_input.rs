@@ -1,7 +1,7 @@
 //! Files that are not as they should be: each answer is a document or an error, and a bad entity costs its face alone.
 
 use crate::cases::cases;
-use crate::writer::{BLANKED, INDEPENDENT, Writer, list};
+use crate::writer::{BLANKED, DEPENDENT, INDEPENDENT, Writer, list};
 use formats::{Document, FORMATS, Format, FormatError, NoteKind, Place};
 use std::time::{Duration, Instant};
 
@@ -284,4 +284,75 @@ fn boundaries_of_many_pieces_are_compared_in_time() {
     w.trimmed(surface, outer, &[]);
     let document = read(&w.file()).unwrap();
     assert_eq!(document.model.faces()[0].loops[0].trims.len(), MANY, "{:?}", document.notes);
+}
+
+/// What only its own parts name is reached from nowhere: it is told, and not left out in silence.
+#[test]
+fn what_is_a_part_of_itself_is_told() {
+    let lost = beside(|w| {
+        let own = w.add(140, 0, "");
+        w.set_parameters(own, &format!("0.0,0.0,1.0,0.1,{own}"));
+    });
+    assert!(lost.len() == 1 && lost[0].1.contains("it is a part of itself"), "{lost:?}");
+    let lost = beside(|w| {
+        let [a, b] = [w.add(140, 0, ""), w.add(140, 0, "")];
+        w.set_parameters(a, &format!("0.0,0.0,1.0,0.1,{b}"));
+        w.set_parameters(b, &format!("0.0,0.0,1.0,0.1,{a}"));
+    });
+    assert!(lost.len() == 2 && lost.iter().all(|(_, why)| why.contains("it is a part of itself")), "{lost:?}");
+    let lost = beside(|w| {
+        let definition = w.add(308, 0, "");
+        let instance = w.add(408, 0, &format!("{definition},0.0,0.0,0.0,1.0"));
+        w.set_parameters(definition, &format!("0,1Hx,1,{instance}"));
+    });
+    assert!(lost.len() == 1 && lost[0].1.contains("it is a part of itself"), "{lost:?}");
+    // A definition that nothing places is no loss: no file shows it.
+    let lost = beside(|w| {
+        let surface = square(w, 5.0, DEPENDENT);
+        w.add(308, 0, &format!("0,1Hx,1,{surface}"));
+    });
+    assert!(lost.is_empty(), "{lost:?}");
+}
+
+/// What is scaled beyond all numbers is left out, and not drawn at another size; so is what is scaled by no number.
+#[test]
+fn what_cannot_be_scaled_is_left_out() {
+    for (scale, why) in [("1.0E300", "not a finite number of usable size"), ("NaN", "its scale is no number above 0")] {
+        let lost = beside(|w| {
+            let surface = square(w, 5.0, DEPENDENT);
+            let definition = w.add(308, 0, &format!("0,1Hx,1,{surface}"));
+            w.add(408, 0, &format!("{definition},0.0,0.0,0.0,{scale}"));
+        });
+        assert!(lost.len() == 1 && lost[0].1.contains(why), "{scale}: {lost:?}");
+    }
+}
+
+#[test]
+fn a_scale_and_a_resolution_that_are_no_numbers_are_told() {
+    let good = case("holes");
+    let global: Vec<&str> = good.lines().filter(|line| line.as_bytes().get(72) == Some(&b'G')).collect();
+    let text: String = global.iter().map(|line| &line[..72]).collect();
+    let values: Vec<&str> = text.trim_end().trim_end_matches(';').split(',').collect();
+    for (at, what) in [(13, "model scale"), (19, "resolution")] {
+        for wrong in ["NaN", "-1.0", "1.0E999"] {
+            // The first parameter is a comma itself.
+            let mut values = values.clone();
+            values[at] = wrong;
+            let text = values.join(",") + ";";
+            let cards: String = text
+                .as_bytes()
+                .chunks(72)
+                .enumerate()
+                .map(|(k, card)| format!("{:72}G{:7}\n", String::from_utf8_lossy(card), k + 1))
+                .collect();
+            let old = global.iter().map(|line| format!("{line}\n")).collect::<String>();
+            assert!(good.contains(&old));
+            let document = read(&good.replacen(&old, &cards, 1)).unwrap_or_else(|error| panic!("{error}"));
+            let told = document
+                .notes
+                .iter()
+                .any(|note| note.to_string().contains(&format!("its {what} is no number above 0")));
+            assert!(told, "{what} {wrong}: {:?}", document.notes);
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Levels as layers: by number, by the name that a function gives, and by a list.
 
 use crate::common::models;
+use crate::corpus;
 use crate::writer::{INDEPENDENT, Writer};
 use formats::{Document, FORMATS};
 
@@ -30,7 +31,7 @@ fn a_level_is_called_by_its_function_else_by_its_number() {
     let function = w.add(406, 3, "2,0,5HNiete");
     w.set_level(function, 7);
     spheres(&mut w, &[0, 7, 40, -(list as i32)]);
-    let document = read(&w);
+    let document = corpus::opened(["iges", "igs"], "levels", &w.file());
     assert_eq!(layers(&document), [vec![], vec!["Niete"], vec!["40"], vec!["Niete", "40"]]);
     assert_eq!(document.notes, []);
 }

@@ -199,9 +199,10 @@ fn mutated_files_never_panic() {
     let mut dice = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
     let mut below = |n: usize| (dice.next_u64() % n as u64) as usize;
     let mut texts: Vec<Vec<u8>> = cases().into_iter().map(|case| case.text.into_bytes()).collect();
-    let seeds = root().join("testdata/step/seeds");
+    let folder = root().join("testdata/step");
     texts.extend(
-        std::fs::read_dir(seeds).into_iter().flatten().map(|entry| std::fs::read(entry.unwrap().path()).unwrap()),
+        ["attributes", "layers", "offset-prism"]
+            .map(|name| std::fs::read(folder.join(format!("{name}.step"))).unwrap()),
     );
     const WORDS: [&[u8]; 14] = [
         b"-",
@@ -291,4 +292,65 @@ fn a_large_curve_that_is_named_again_and_again_ends() {
     let is_named = |note: &formats::Note| note.to_string().contains("so often that no more are read");
     assert!(document.notes.iter().any(is_named), "{}", document.notes.len());
     assert!(start.elapsed() < Duration::from_secs(30), "{:?}", start.elapsed());
+}
+
+/// A name of two million characters, for each of 100 faces: what is kept of it is short.
+#[test]
+fn a_long_name_of_many_faces_is_cut() {
+    let text = good();
+    let face = text.lines().find(|line| line.contains("=ADVANCED_FACE(")).expect("a face");
+    let (_, rest) = face.split_once("=ADVANCED_FACE('").expect("a name");
+    let numbers: Vec<u64> = (0..100).map(|k| 200_000 + k).collect();
+    let mut data: String = numbers.iter().map(|k| format!("#{k}=ADVANCED_FACE('{rest}\n")).collect();
+    let list: Vec<String> = numbers.iter().map(|k| format!("#{k}")).collect();
+    let name = "n".repeat(2_000_000);
+    data += &format!("#300000=PRESENTATION_LAYER_ASSIGNMENT('{name}','',({}));\n", list.join(","));
+    data += &format!("#300001=OPEN_SHELL('{name}',({}));\n", list.join(","));
+    data += "#300002=SHELL_BASED_SURFACE_MODEL('',(#300001));\n#300003=SHAPE_REPRESENTATION('',(#300002),$);\n";
+    let document = opened(&text.replacen("ENDSEC;\nEND-ISO", &format!("{data}ENDSEC;\nEND-ISO"), 1));
+    let long = |said: &&formats::Attributes| {
+        let names = said.layers.iter().chain(&said.name);
+        said.layers.len() == 1 && names.clone().count() == 2 && names.clone().all(|name| name.ends_with("n…"))
+    };
+    assert_eq!(document.attributes.iter().filter(long).count(), 100);
+    let lengths =
+        document.attributes.iter().flat_map(|said| said.layers.iter().chain(&said.name)).map(|name| name.len());
+    assert!(lengths.max() < Some(1010), "{:?}", document.attributes[0]);
+}
+
+/// A face as large as numbers go where it stands, and units that are none: each is told, and nothing is drawn elsewhere instead.
+#[test]
+fn what_cannot_stand_where_it_is_said_is_left_out() {
+    let text = case("assembly");
+    let line = text.lines().find(|line| line.contains("=REPRESENTATION_MAP(")).expect("a map");
+    let (map, _) = line.split_once('=').expect("a number");
+    let item = text.lines().find(|line| line.contains(&format!("=MAPPED_ITEM('',{map},"))).expect("an item");
+    let (number, rest) = item.split_once("=MAPPED_ITEM(").expect("one");
+    let target = rest.rsplit('#').next().expect("a placement").trim_end_matches(");");
+    let origin = text.lines().find(|line| line.starts_with(&format!("#{target}="))).expect("it is there");
+    let point = origin.split('#').nth(2).expect("its origin").trim_end_matches(',');
+    let huge = format!("#90000=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',$,$,#{point},1.E+200,$);\n");
+    let changed = text.replacen(item, &format!("{number}=MAPPED_ITEM('',{map},#90000);"), 1).replacen(
+        "ENDSEC;\nEND-ISO",
+        &format!("{huge}ENDSEC;\nEND-ISO"),
+        1,
+    );
+    let document = opened(&changed);
+    let losses: Vec<String> =
+        document.notes.iter().filter(|note| note.kind == NoteKind::LeftOut).map(ToString::to_string).collect();
+    assert_eq!((document.model.faces().len(), losses.len()), (6, 6), "{losses:?}");
+    assert!(losses.iter().all(|loss| loss.contains("ADVANCED_FACE: left out: ")), "{losses:?}");
+}
+
+#[test]
+fn units_that_are_none_are_told() {
+    for (old, new, part) in [
+        ("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.MEGALO.,.METRE.)", "no unit of length"),
+        ("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.MILLI.,NaN)", "no unit that is known"),
+        ("LENGTH_MEASURE(1.E-07)", "LENGTH_MEASURE(-1.)", "no uncertainty"),
+        ("LENGTH_MEASURE(1.E-07)", "LENGTH_MEASURE(NaN)", "no uncertainty"),
+    ] {
+        let (faces, losses) = after(old, new);
+        assert!(faces == 3 && losses.iter().any(|loss| loss.contains(part)), "{new}: {losses:?}");
+    }
 }

@@ -23,4 +23,5 @@ mod solids;
 mod support;
 #[path = "../formats/table.rs"]
 mod table;
+mod told;
 mod writer;

@@ -1,5 +1,6 @@
 //! Curves and surfaces at a distance from splines: within what the note says, or left out by name.
 
+use crate::corpus;
 use crate::green::area_and_volume;
 use crate::writer::{DOWN, Units, Writer, X, Z, list};
 use formats::{Document, FORMATS, NoteKind};
@@ -51,7 +52,7 @@ fn a_prism_within_offset_curves_and_an_offset_wall_is_that_of_steiner() {
     let solid = w.solid(&faces);
     let context = w.context(Units::MillimetreRadian);
     w.representation(&[solid], context);
-    let document = read(&w.file());
+    let document = corpus::opened(["step", "step"], "offset-prism", &w.file());
     // As in `cases::extrusion`.
     let (area, length) = (14.0 + 4.0 / 3.0, 8.0 + 4.0 * (1.0 + (1.0 + 2f64.sqrt()).ln() / 2f64.sqrt()));
     let (area, length) = (area + length * d + PI * d * d, length + 2.0 * PI * d);
@@ -124,4 +125,35 @@ fn what_has_no_offset_is_left_out_by_name() {
         assert_eq!((document.model.faces().len(), told.len()), (1, 1), "{told:?}");
         assert!(told[0].contains(&format!("#{offset} OFFSET_SURFACE: left out")) && told[0].contains(why), "{told:?}");
     }
+}
+
+/// Offsets of a surface with creases cost much, and come to nothing: what they may cost is theirs alone, and ends.
+#[test]
+fn offsets_that_come_to_nothing_cost_their_faces_alone() {
+    let mut w = Writer::new("AUTOMOTIVE_DESIGN");
+    let rows: Vec<String> = (0..20u32)
+        .map(|i| {
+            let bumps = |j: u32| 0.5 * f64::from((7 * i + 5 * j) % 11);
+            list(&(0..20).map(|j| w.point([f64::from(i), f64::from(j), bumps(j)])).collect::<Vec<u64>>())
+        })
+        .collect();
+    let inner = |value: &dyn Fn(u32) -> String| (0..18).map(value).collect::<Vec<String>>().join(",");
+    let multiplicities = inner(&|k| if k % 17 == 0 { "4" } else { "1" }.to_owned());
+    let knots = inner(&|k| format!("{k}."));
+    let surface = w.add(format_args!(
+        "B_SPLINE_SURFACE_WITH_KNOTS('',3,3,({}),.UNSPECIFIED.,.F.,.F.,.F.,({multiplicities}),({multiplicities}),({knots}),({knots}),.U.)",
+        rows.join(",")
+    ));
+    let offsets: Vec<u64> =
+        (1..=300).map(|k| w.add(format_args!("OFFSET_SURFACE('',#{surface},{:?},.F.)", 0.01 * f64::from(k)))).collect();
+    let placement = w.placement([0.0; 3], Z, X);
+    let ball = w.add(format_args!("SPHERICAL_SURFACE('',#{placement},1.)"));
+    let set = w.add(format_args!("GEOMETRIC_SET('',{})", list(&[offsets, vec![ball]].concat())));
+    let context = w.context(Units::MillimetreRadian);
+    w.add(format_args!("GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION('',(#{set}),#{context})"));
+    let document = read(&w.file());
+    let told = notes(&document, NoteKind::LeftOut);
+    assert_eq!((document.model.faces().len(), told.len()), (1, 300), "{told:?}");
+    assert!(told[0].contains("a crease, or too many parts"), "{}", told[0]);
+    assert!(told[299].contains("more work than is spent on them"), "{}", told[299]);
 }
