@@ -11,6 +11,7 @@ mod folds;
 mod foreign;
 mod golden;
 mod grids;
+mod hidden;
 mod judging;
 mod kernels;
 mod licences;
