@@ -1,6 +1,5 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
-use crate::deviation::SNAP_PX;
 use crate::difference::Difference;
 use crate::edge::EdgeFound;
 use crate::evaluation::Evaluated;
@@ -187,7 +186,7 @@ impl Pair<'_, '_> {
                 let interpolated = self.setting.pieces(&own).map(of).fold(0.0, f64::max);
                 let chord = self.edge_chord(&own) + interpolated;
                 // Of the candidate's own corners: a reference that snaps, too, changes nothing of what they carry.
-                setting.carried(candidate, center, normals, chord, self.deviation.snap_px.min(SNAP_PX))
+                setting.carried(candidate, center, normals, chord, self.deviation.corners_px)
             }
         }
     }
