@@ -111,6 +111,93 @@ fn what_no_triangle_carries_differs() {
     assert!(cause(&lifted).is_some());
 }
 
+/// The causes of what differs, and how many of the covered pixels do.
+fn differing(stage: &Stage, caster: &Caster, rays: &GBuffer, changed: &GBuffer) -> (PairReport, f64) {
+    let report = stage.against_raycast(caster, rays, changed).expect("comparable");
+    let share = report.differing() as f64 / report.covered as f64;
+    (report, share)
+}
+
+/// Less than half of a cell's own cone is what bounds of control points add to it: a normal from two cells on is none of the cell's.
+#[test]
+fn a_normal_of_a_cell_beside_or_of_a_coarser_level_differs() {
+    let model = models::builtin("sphere").expect("built in");
+    let caster = Caster::new(&model);
+    for technique in [&Fragment as &'static dyn Technique, &Grid] {
+        let stage = stage(&model, technique).expect("a stage");
+        let (rays, raster) = (stage.raycast(&caster), stage.raster());
+        // Of the piece that a hit is on, where it starts and the greatest cell along u and along v.
+        let cell = |hit: &Hit| {
+            let face = hit.face.0 as usize;
+            let patches = model.surface(hit.face).bezier_patches();
+            let is_on = |k: usize, domain: &[[f64; 2]; 2]| (domain[k][0]..=domain[k][1]).contains(&hit.uv[k]);
+            let piece = patches.iter().position(|patch| is_on(0, &patch.domain) && is_on(1, &patch.domain));
+            let piece = piece.expect("a piece");
+            let compare::Cells { parts, sizes } = &stage.prepared.cells()[face][piece];
+            [0, 1].map(|k| {
+                let [start, end] = patches[piece].domain[k];
+                let greatest = sizes.iter().map(|size| size[k]).fold(0.0, f64::max);
+                (start, end, (end - start) * greatest / parts[k] as f64)
+            })
+        };
+        let of = |hit: Hit, u: f64, v: f64| Hit { normal: model.surface(hit.face).inspect(u, v).normal, ..hit };
+        let beside = changed(&raster, |hit| {
+            let [(start, end, size), _] = cell(&hit);
+            let u = if hit.uv.x + 2.0 * size < end { hit.uv.x + 2.0 * size } else { hit.uv.x - 2.0 * size };
+            of(hit, u.max(start), hit.uv.y)
+        });
+        let (report, share) = differing(&stage, &caster, &rays, &beside);
+        // Near a pole normals hardly change along u.
+        assert!(share > 0.6 && report.main_cause() == Some(Cause::Derivative), "{share}: {:?}", report.causes);
+        // The whole cell of a level that is coarser by four has the normal of its first corner.
+        let coarse = changed(&raster, |hit| {
+            let [u, v] = [0, 1].map(|k| {
+                let (start, _, size) = cell(&hit)[k];
+                start + ((hit.uv[k] - start) / (4.0 * size)).floor() * 4.0 * size
+            });
+            of(hit, u, v)
+        });
+        let (report, share) = differing(&stage, &caster, &rays, &coarse);
+        assert!(share > 0.5 && report.main_cause() == Some(Cause::Derivative), "{share}: {:?}", report.causes);
+    }
+}
+
+/// A point may be off S by the chord where it lies on the pixel's ray, and by no more there; off the ray it is no triangle's.
+#[test]
+fn a_point_that_is_off_by_more_than_a_chord_or_beside_the_ray_differs() {
+    let model = models::builtin("sphere").expect("built in");
+    let caster = Caster::new(&model);
+    for technique in [&Fragment as &'static dyn Technique, &Grid] {
+        let stage = stage(&model, technique).expect("a stage");
+        let (rays, raster) = (stage.raycast(&caster), stage.raster());
+        let chord = |hit: &Hit| stage.prepared.chord()[hit.face.0 as usize].iter().copied().fold(0.0, f64::max);
+        let nearer = changed(&raster, |hit| {
+            let position = hit.position + 3.0 * chord(&hit) * (stage.camera.eye() - hit.position).normalize();
+            Hit { position, ..hit }
+        });
+        let (report, share) = differing(&stage, &caster, &rays, &nearer);
+        assert!(share > 0.95 && !report.causes.contains_key(&Cause::Interpolation), "{share}: {:?}", report.causes);
+        let beside = changed(&raster, |hit| {
+            let pixels = stage.camera.pixels_per_unit(stage.viewport, stage.camera.depth(hit.position));
+            Hit { position: hit.position + 0.05 / pixels * stage.camera.right(), ..hit }
+        });
+        let (report, share) = differing(&stage, &caster, &rays, &beside);
+        assert!(share > 0.95 && report.main_cause() == Some(Cause::Interpolation), "{share}: {:?}", report.causes);
+    }
+}
+
+/// Triangles of a coarser tessellation, normals and all.
+#[test]
+fn a_picture_of_a_coarser_level_differs() {
+    let model = models::builtin("sphere").expect("built in");
+    let caster = Caster::new(&model);
+    let fine = stage(&model, &Fragment).expect("a stage");
+    let plan = Plan { chord_px: 4.0, ..fine.plan };
+    let coarse = Stage::new(&model, fine.camera, fine.viewport, plan).expect("a stage").raster();
+    let (report, share) = differing(&fine, &caster, &fine.raycast(&caster), &coarse);
+    assert!(report.verdict == Verdict::Differ && share > 0.2, "{share}: {:?}", report.causes);
+}
+
 #[test]
 fn faults_of_the_vertex_stage_differ() {
     let device = device();

@@ -131,7 +131,7 @@ fn pictures(args: &StrictArgs, hosts: &mut [Box<dyn Adapter>], began: Instant) -
                 let raster = stage.raster();
                 say!("{:60} {} covered, {}", scene.key(viewpoint, plan).to_string(), raster.covered(), raster.hash())?;
                 for host in hosts.iter_mut() {
-                    counts.add(&raster, host.draw(&stage), &host.subject().compiler)?;
+                    counts.add(&raster, host.draw(&stage).map(|drawn| drawn.gbuffer), &host.subject().compiler)?;
                 }
             }
         }

@@ -4,11 +4,20 @@ use crate::vertex_normals::VertexNormals;
 use nurbs::{BezierPatch, Surface};
 use rayon::prelude::*;
 use scene::{Camera, Model, Viewport};
+use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 /// Vertices snap to 1/256 pixel, each coordinate by at most half of it; a viewport transform in f32 adds less than
 /// the other half up to 16384 pixels.
 pub const SNAP_PX: f64 = 1.0 / 256.0;
+
+/// What is left of [`SNAP_PX`] for the viewport transform where corners go to the nearest 256th of a pixel along both sides.
+const TRANSFORM_PX: f64 = SNAP_PX - SQRT_2 / 512.0;
+
+/// How far corners may be off, pixels, that a grid moves by `moves_px` along each side; [`SNAP_PX`] where that is less.
+fn corners_px(moves_px: f64) -> f64 {
+    SNAP_PX.max(SQRT_2 * moves_px + TRANSFORM_PX)
+}
 
 /// Interpolated parameters may be off by this many units of 2⁻²⁴ of what they run over, 0 … 1: WGSL states no accuracy of
 /// interpolation. Of the models of the conformance tests, none needs more on llvmpipe or an H100.
@@ -103,6 +112,8 @@ pub struct Deviation {
     pub has_skirts: bool,
     /// Pixels: snapping of vertices; [`EXACT_PX`] where there are none.
     pub snap_px: f64,
+    /// The part of it that is the candidate's own corners, if it has any.
+    pub corners_px: f64,
     /// How near an edge of a face that loops bound may pass the centre of a pixel that is shown the wrong side of it, pixels.
     pub edge_px: f64,
     /// The least bound with which a pixel has no verdict, pixels.
@@ -130,6 +141,7 @@ impl Deviation {
             interpolation: vec![interpolation.clone()],
             has_skirts: true,
             snap_px: SNAP_PX,
+            corners_px: SNAP_PX,
             edge_px: EDGE_PX,
             // A chord below 1/100 pixel cannot be asked for in earnest: vertices snap to 1/256.
             limit_px: TRIANGLES_MULTIPLE * asked_px.max(EXACT_PX),
@@ -186,6 +198,7 @@ impl Deviation {
             interpolation: vec![],
             has_skirts: false,
             snap_px: EXACT_PX,
+            corners_px: 0.0,
             edge_px: EDGE_PX,
             limit_px: EXACT_MULTIPLE * EXACT_PX,
             vertex_normals: None,
@@ -225,6 +238,21 @@ impl Deviation {
         Self { vertex_normals: Some(vertex_normals), text, ..self }
     }
 
+    /// The same where the candidate's corners go to a grid that moves them by `moves_px` along each side at most, as was measured
+    /// on the adapter that drew them. A finer one than is assumed takes nothing away.
+    ///
+    /// What a G-buffer says of its adapter is no measurement.
+    pub fn on_grid(self, moves_px: f64) -> Self {
+        if self.corners_px == 0.0 {
+            return self;
+        }
+        let corners_px = corners_px(moves_px);
+        let snap_px = self.snap_px - self.corners_px + corners_px;
+        let text =
+            format!("{}; the candidate's corners: {corners_px:.4} px, by its adapter's grid as measured", self.text);
+        Self { snap_px, corners_px, text, ..self }
+    }
+
     /// What two renderers may differ by, each of which has an allowance of its own against the surface.
     pub fn either(&self, other: &Self) -> Self {
         Self {
@@ -233,6 +261,7 @@ impl Deviation {
             interpolation: self.interpolation.iter().chain(&other.interpolation).cloned().collect(),
             has_skirts: self.has_skirts || other.has_skirts,
             snap_px: self.snap_px + other.snap_px,
+            corners_px: other.corners_px,
             edge_px: self.edge_px + other.edge_px,
             limit_px: self.limit_px + other.limit_px,
             vertex_normals: other.vertex_normals.clone(),
@@ -311,5 +340,24 @@ mod tests {
         assert_eq!(both.attribute_at(0, 2), 2.0 * one.attribute_at(0, 2));
         assert_eq!(both.limit_px, 1.0 + EXACT_MULTIPLE * EXACT_PX);
         assert_eq!(Deviation::exact().chord_at(0, 2), 0.0);
+    }
+
+    #[test]
+    fn only_a_grid_that_is_coarser_than_assumed_widens_what_corners_are_allowed() {
+        let model = models::builtin("surface").expect("built in");
+        let of = || Deviation::of_proxy(&Interpolation::of(&model), &[vec![0.5]], 0.25);
+        for moves_px in [0.0, 1.0 / 8192.0, 1.0 / 512.0] {
+            assert_eq!(of().on_grid(moves_px).snap_px, SNAP_PX, "{moves_px}");
+        }
+        // Down to a 256th; to the nearest 16th.
+        let [down, coarse] = [1.0 / 256.0, 1.0 / 32.0].map(|moves_px| of().on_grid(moves_px));
+        assert!(SQRT_2 / 256.0 < down.snap_px && down.snap_px < 1.0 / 128.0, "{}", down.snap_px);
+        assert!(SQRT_2 / 32.0 < coarse.snap_px && coarse.snap_px < 1.0 / 16.0, "{}", coarse.snap_px);
+        // Nothing else grows, above all not the bound from which on there is no verdict, and not a renderer's without corners.
+        assert_eq!((coarse.limit_px, coarse.edge_px), (of().limit_px, of().edge_px));
+        assert_eq!(Deviation::exact().on_grid(1.0 / 32.0), Deviation::exact());
+        // Of two renderers the candidate's corners alone are on that grid.
+        let twins = || Deviation::of_same_proxy(&Interpolation::of(&model), &[vec![0.5]], 0.25);
+        assert_eq!(twins().on_grid(1.0 / 32.0).snap_px, SNAP_PX + coarse.snap_px);
     }
 }

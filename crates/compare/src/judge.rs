@@ -123,7 +123,8 @@ impl<'m> Judge<'m> {
         let setting = &self.setting;
         let drawn = self.drawn.as_ref();
         let pair = Pair { setting, drawn, reference, candidate, sampler, deviation, exact };
-        let evaluated = || candidate.get(at[0], at[1]).and_then(|hit| pair.evaluated(hit).ok());
+        let evaluated =
+            || candidate.get(at[0], at[1]).and_then(|hit| pair.evaluated(Pair::center(at[0], at[1]), hit).ok());
         let shares = || evaluated().map_or(Shares::default(), |evaluated| evaluated.shares);
         let verdict = |cause, unbounded, detail, shares| PixelVerdict { cause, detail, unbounded, shares };
         Ok(match pair.pixel(at[0], at[1]) {

@@ -1,6 +1,5 @@
 //! One pixel of two buffers: geometry, visibility and coverage.
 
-use crate::deviation::SNAP_PX;
 use crate::difference::Difference;
 use crate::edge::EdgeFound;
 use crate::evaluation::Evaluated;
@@ -19,6 +18,10 @@ const DIRECTIONS: usize = 16;
 /// Rounding of the depths that a depth test compares, in units of 2⁻²⁴ of the distance and the model's size: half an
 /// ulp each of z, of 1 / w, of their product and of the interpolation between corners, on either side.
 const DEPTH_ULPS: f64 = 4.0;
+
+/// Where depths are rounded by more than this share of the model's size, a person would see that other layers are shown; as
+/// nobody can tell whether they may be, there is no verdict on a pixel that shows one.
+const LAYERS_SHARE: f64 = 1e-3;
 
 /// Cells along the sides of the grid on which a sampler is asked where the rings show nothing alike.
 const GRID: usize = 48;
@@ -113,8 +116,13 @@ pub(crate) struct Pair<'a, 'm> {
 }
 
 impl Pair<'_, '_> {
+    /// The position of a pixel's centre.
+    pub fn center(x: usize, y: usize) -> DVec2 {
+        DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
+    }
+
     pub fn pixel(&self, x: usize, y: usize) -> Finding {
-        let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let center = Self::center(x, y);
         let found = match (self.reference.get(x, y), self.candidate.get(x, y)) {
             (None, None) => return Finding::Uncovered,
             (reference, Some(candidate)) => self.shown(center, reference, candidate),
@@ -157,9 +165,9 @@ impl Pair<'_, '_> {
     }
 
     /// A hit's values at its own (u, v): those of the surface, or what triangles carry.
-    pub fn evaluated(&self, candidate: &Hit) -> Result<Evaluated, Difference> {
-        let Some(drawn) = self.drawn else { return self.evaluated_on(self.setting, candidate) };
-        let found = self.evaluated_on(drawn, candidate)?;
+    pub fn evaluated(&self, center: DVec2, candidate: &Hit) -> Result<Evaluated, Difference> {
+        let Some(drawn) = self.drawn else { return self.evaluated_on(self.setting, center, candidate) };
+        let found = self.evaluated_on(drawn, center, candidate)?;
         let own = without_local(candidate);
         let carried = if self.deviation.vertex_normals.is_some() { self.edge_chord(&own) } else { 0.0 };
         match self.stand_in(&own) {
@@ -168,7 +176,7 @@ impl Pair<'_, '_> {
         }
     }
 
-    fn evaluated_on(&self, setting: &Setting, candidate: &Hit) -> Result<Evaluated, Difference> {
+    fn evaluated_on(&self, setting: &Setting, center: DVec2, candidate: &Hit) -> Result<Evaluated, Difference> {
         match &self.deviation.vertex_normals {
             None => setting.evaluation(candidate),
             Some(normals) => {
@@ -178,7 +186,7 @@ impl Pair<'_, '_> {
                 let interpolated = self.setting.pieces(&own).map(of).fold(0.0, f64::max);
                 let chord = self.edge_chord(&own) + interpolated;
                 // Of the candidate's own corners: a reference that snaps, too, changes nothing of what they carry.
-                setting.carried(candidate, normals, chord, self.deviation.snap_px.min(SNAP_PX))
+                setting.carried(candidate, center, normals, chord, self.deviation.corners_px)
             }
         }
     }
@@ -209,7 +217,7 @@ impl Pair<'_, '_> {
             setting.holds_parameters(hit).map_err(|(reason, detail)| Failed::Unbounded(reason, detail))
         };
         holds(self.drawn.unwrap_or(self.setting), candidate)?;
-        let Evaluated { shares, radius } = self.evaluated(candidate)?;
+        let Evaluated { shares, radius } = self.evaluated(center, candidate)?;
         // Its spans are those of what it draws.
         let own = self.drawn.map(|_| without_local(candidate));
         if let Some(own) = &own {
@@ -236,6 +244,11 @@ impl Pair<'_, '_> {
         let slack = 2.0 * self.model_units(candidate) + 2.0 * rounded + depth;
         let in_front = self.setting.camera.depth(s) >= self.setting.camera.near() - slack;
         let picture = self.setting.picture(s).filter(|_| in_front);
+        let is_apart = |r: &Hit| (r.t - candidate.t).abs() > slack - depth + 2.0 * self.model_units(r);
+        if depth > LAYERS_SHARE * self.setting.size && reference.is_some_and(is_apart) {
+            let detail = format!("depths are rounded by {depth:.3e}, and another layer is seen than is shown");
+            return Err(Failed::Unbounded(Unbounded::Rounding, detail));
+        }
         let same = reference.filter(|r| r.face == candidate.face && (r.t - candidate.t).abs() <= slack);
         let along = same.map_or(0.0, |r| (r.t - candidate.t).abs());
         // Geometry.
@@ -289,16 +302,6 @@ impl Pair<'_, '_> {
         let hides = |r: &&Hit| r.t < candidate.t - slack - 2.0 * self.model_units(r);
         let Some(occluder) = reference.filter(hides) else { return with_distance() };
         let behind = |hit: &Hit| hit.t >= candidate.t - slack;
-        // Where the candidate's sheet leans it is nearer beside the pixel: no farther than half way to what hides it.
-        let on_sheet = |at: DVec2, hit: &Hit| {
-            let Some(uv) = self.setting.seen_at(candidate, at).filter(|_| hit.face == candidate.face) else {
-                return false;
-            };
-            let ray = self.setting.camera.ray(self.setting.viewport, at.x, at.y);
-            let s = self.setting.model.surface(candidate.face).point(uv.x, uv.y);
-            let t = (s - ray.origin).dot(ray.direction);
-            hit.t >= t - slack && t - slack > 0.5 * (candidate.t + occluder.t)
-        };
         let own =
             picture.filter(|_| self.exact).is_some_and(|p| self.sampler.first(p.x, p.y).as_ref().is_none_or(behind));
         // Beyond the edge of its triangle a point may fall behind the next one of its face by as much as both are off.
@@ -310,8 +313,9 @@ impl Pair<'_, '_> {
         let hiding = || once(*occluder).chain(self.layers(center)).filter(|q| hides(&q));
         if own
             || behind_own_face()
-            || self
-                .ends_nearby(occluder, center, bound, &|at, first| first.is_none_or(|q| behind(q) || on_sheet(at, q)))
+            || self.ends_nearby(occluder, center, bound, &|at, first| {
+                first.is_none_or(|q| behind(q) || self.leans_into_view(candidate, occluder, at, q, slack))
+            })
             || self.exact && self.each_ends_nearby(hiding(), center, bound_px, &|q| !behind(q))
         {
             return with_distance();
@@ -319,6 +323,16 @@ impl Pair<'_, '_> {
         let detail =
             format!("shown at t = {:.6}, but face {} at t = {:.6} hides it", candidate.t, occluder.face.0, occluder.t);
         Err(Difference::new(self.unseen(occluder, Cause::Depth), (candidate.t - occluder.t) / slack, detail).into())
+    }
+
+    /// Whether what is seen at a position beside the pixel is the candidate's own sheet, which leans and so is nearer there than
+    /// at the pixel: no farther than half way to what hides it, or it would be the sheet that hides, come round a fold.
+    fn leans_into_view(&self, candidate: &Hit, occluder: &Hit, at: DVec2, seen: &Hit, slack: f64) -> bool {
+        if seen.face != candidate.face {
+            return false;
+        }
+        let Some(sheet) = self.setting.sheet_at(candidate, at) else { return false };
+        (seen.t - sheet).abs() <= slack && sheet - slack > 0.5 * (candidate.t + occluder.t)
     }
 
     /// A pixel that only the reference covers.
@@ -439,7 +453,7 @@ impl Pair<'_, '_> {
     ) -> bool {
         let draws = |places: &mut dyn Iterator<Item = DVec2>| {
             let layers: Vec<Hit> = places.flat_map(|p| self.sampler.layers(p.x, p.y)).collect();
-            layers.iter().any(|q| self.is_like(q, candidate, bound_px, slack))
+            layers.iter().any(|q| self.is_like(q, candidate, 2.0 * bound_px / GRID as f64, slack))
                 || self.is_between(&layers, candidate, slack)
         };
         if draws(&mut self.places(center, bound_px, reference.or(Some(candidate)))) {
@@ -513,13 +527,14 @@ impl Pair<'_, '_> {
         })
     }
 
-    /// Whether a sample shows the candidate's point: same face, same place in the picture and in depth.
-    fn is_like(&self, q: &Hit, candidate: &Hit, bound_px: f64, slack: f64) -> bool {
+    /// Whether a sample shows the candidate's point: same face, same place in the picture, within `step_px`, and in depth. A sample is
+    /// itself as far away as the two may be apart, so that it may be no farther off than samples are from each other.
+    fn is_like(&self, q: &Hit, candidate: &Hit, step_px: f64, slack: f64) -> bool {
         if q.face != candidate.face {
             return false;
         }
         let [a, b] = [q, candidate].map(|hit| self.setting.picture(self.setting.surface_point(hit)));
-        let near = a.zip(b).is_some_and(|(a, b)| a.distance(b) <= bound_px);
+        let near = a.zip(b).is_some_and(|(a, b)| a.distance(b) <= step_px);
         near && (q.t - candidate.t).abs() <= slack
     }
 

@@ -44,9 +44,21 @@ impl<'m> Setting<'m> {
 
     /// Whether the surface that a hit shows is seen at another position, too, whether it has material there or not.
     pub(crate) fn goes_on_at(&self, hit: &Hit, at: DVec2) -> bool {
+        self.seen_inside(hit, at).is_some()
+    }
+
+    /// How far along the ray of another position the surface is that a hit shows, whether it has material there or not.
+    pub(crate) fn sheet_at(&self, hit: &Hit, at: DVec2) -> Option<f64> {
+        let uv = self.seen_inside(hit, at)?;
+        let ray = self.camera.ray(self.viewport, at.x, at.y);
+        Some((self.model.surface(hit.face).point(uv.x, uv.y) - ray.origin).dot(ray.direction))
+    }
+
+    /// [`Self::seen_at`], inside the domain.
+    fn seen_inside(&self, hit: &Hit, at: DVec2) -> Option<DVec2> {
         let [[u0, u1], [v0, v1]] = self.model.surface(hit.face).domain();
-        let is_inside = |uv: DVec2| (u0..=u1).contains(&uv.x) && (v0..=v1).contains(&uv.y);
-        self.seen_at(hit, at).is_some_and(is_inside)
+        let is_inside = |uv: &DVec2| (u0..=u1).contains(&uv.x) && (v0..=v1).contains(&uv.y);
+        self.seen_at(hit, at).filter(is_inside)
     }
 
     /// Positive where u turns counterclockwise into v as the picture shows them.

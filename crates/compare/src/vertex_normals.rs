@@ -10,7 +10,7 @@ use crate::evaluation::Evaluated;
 use crate::setting::Setting;
 use crate::{Cause, Shares, Unbounded};
 use gbuffer::Hit;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nurbs::{BezierPatch, Cone};
 use rayon::prelude::*;
 use scene::Model;
@@ -40,16 +40,16 @@ impl Cells {
         });
         let mut cells = vec![];
         for (i, j) in parts[0].clone().flat_map(|i| parts[1].clone().map(move |j| (i, j))) {
-            let size = *self.sizes.get(i * self.parts[1] + j)?;
-            if !size.iter().all(|size| *size > 0.0 && *size <= 1.0) {
+            let shares = *self.sizes.get(i * self.parts[1] + j)?;
+            if !shares.iter().all(|size| *size > 0.0 && *size <= 1.0) {
                 return None;
             }
             let lines = |k: usize, part: usize| {
                 let parts = self.parts[k] as f64;
-                let (start, size) = (part as f64 / parts, size[k] / parts);
+                let (start, size) = (part as f64 / parts, shares[k] / parts);
                 let line = |t: f64| ((t - start).clamp(0.0, 1.0 / parts) / size).floor();
-                // The last cell of a part ends where the part does.
-                let last = (1.0 / (parts * size)).ceil() - 1.0;
+                // The last cell of a part ends where the part does, and rounding makes no other after it.
+                let last = (shares[k].recip() * (1.0 - 2.0 * f64::EPSILON)).ceil() - 1.0;
                 let (first, last) =
                     (line(at[k] - reach[k]).min(last) as usize, line(at[k] + reach[k]).min(last) as usize);
                 (first..=last).map(move |n| [n, n + 1].map(|n| (start + n as f64 * size).min(1.0)))
@@ -112,11 +112,12 @@ impl VertexNormals {
 }
 
 impl Setting<'_> {
-    /// Checks what a triangle carries to a hit; `chord` is how far its point may be from S, model units, and `snap_px` how far beside
-    /// its triangle the pixel's centre may be.
+    /// Checks what a triangle carries to a hit at the position `center`; `chord` is how far its point may be from S, model units, and
+    /// `snap_px` how far beside its triangle that may be.
     pub(crate) fn carried(
         &self,
         hit: &Hit,
+        center: DVec2,
         normals: &VertexNormals,
         chord: f64,
         snap_px: f64,
@@ -163,11 +164,21 @@ impl Setting<'_> {
             (0..2).filter(|k| at[*k] <= BEYOND || at[*k] >= 1.0 - BEYOND).map(|k| ways[k]).sum()
         };
         let ended = pieces.iter().map(ended).fold(0.0, f64::max);
-        let allowed = chord * followed.powi(2) + ended + POINT_ULPS / (1u64 << 24) as f64 * (hit.t.abs() + self.size);
+        let rounding = POINT_ULPS / (1u64 << 24) as f64 * (hit.t.abs() + self.size);
+        let allowed = chord * followed.powi(2) + ended + rounding;
         let off = hit.position.distance(s);
         if off > allowed {
             let detail = format!("the triangle's point is {off:.3e} from S(u, v); {allowed:.3e} are allowed");
             return Err(Difference::new(self.attribution.of_position(hit, off / allowed), off / allowed, detail));
+        }
+        // Wherever its plane is followed to, a triangle's point is on the ray. A skirt shows S itself.
+        let is_of_skirt = self.model.region(hit.face).is_some() && off <= rounding;
+        let beside_px = self.picture(hit.position).map_or(f64::INFINITY, |seen| seen.distance(center));
+        let allowed_px = snap_px + self.camera.pixels_within(self.viewport, s, rounding);
+        if beside_px > allowed_px && !is_of_skirt {
+            let detail =
+                format!("the triangle's point is {beside_px:.4} px from the pixel's ray; {allowed_px:.4} are allowed");
+            return Err(Difference::new(Cause::Interpolation, beside_px / allowed_px, detail));
         }
         let mut shares = Shares { position: Some(off / allowed), ..Shares::default() };
         // The triangle is one of any of these cells.
@@ -215,4 +226,52 @@ impl Setting<'_> {
 /// A reach in u and in v as shares of a rectangle of parameters.
 fn beside(reach: [f64; 2], domain: &[[f64; 2]; 2]) -> [f64; 2] {
     [0, 1].map(|k| reach[k] / (domain[k][1] - domain[k][0]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A piece of two parts along u: one of four cells, one of three.
+    fn cells() -> Cells {
+        Cells { parts: [2, 1], sizes: vec![[0.25, 1.0], [1.0 / 3.0, 1.0]] }
+    }
+
+    fn starts(at: f64, reach: f64) -> Vec<f64> {
+        let found = cells().within([at, 0.5], [reach, BEYOND]).expect("known");
+        found.iter().map(|cell| cell[0][0]).collect()
+    }
+
+    #[test]
+    fn a_place_amid_a_cell_is_of_that_cell_alone_and_one_on_a_line_of_both_beside_it() {
+        assert_eq!(starts(0.2, BEYOND), [0.125]);
+        assert_eq!(starts(0.125, BEYOND), [0.0, 0.125]);
+        assert_eq!(starts(0.2, 0.1), [0.0, 0.125, 0.25]);
+        // A part has its own cells, and at its border those of the part beside it, too.
+        assert_eq!(starts(0.6, BEYOND), [0.5]);
+        assert_eq!(starts(0.5, BEYOND), [0.375, 0.5]);
+        assert_eq!((starts(0.0, BEYOND), starts(1.0, BEYOND).len()), (vec![0.0], 1));
+    }
+
+    /// A cell that rounding puts after a part's last would be empty, and of an empty one nothing is known.
+    #[test]
+    fn the_cells_of_a_part_tile_it_however_many_they_are() {
+        for count in 1..500 {
+            let cells = Cells { parts: [1, 1], sizes: vec![[1.0 / f64::from(count), 1.0]] };
+            let found = cells.within([0.5, 0.5], [1.0, 0.0]).expect("known");
+            assert_eq!(found.len(), count as usize);
+            assert!(found.iter().all(|[[low, high], _]| low < high && *high <= 1.0), "{count}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_known_beside_a_part_of_which_nothing_is_drawn_or_whose_cells_run_on() {
+        for unknown in [0.0, f64::INFINITY, f64::NAN, 1.5] {
+            let cells = Cells { parts: [2, 1], sizes: vec![[0.25, 1.0], [unknown, 1.0]] };
+            assert!(cells.within([0.3, 0.5], [BEYOND; 2]).is_some());
+            assert_eq!(cells.within([0.5, 0.5], [BEYOND; 2]), None);
+        }
+        let few = Cells { parts: [2, 1], sizes: vec![[0.25, 1.0]] };
+        assert_eq!(few.within([0.75, 0.5], [BEYOND; 2]), None);
+    }
 }

@@ -1,10 +1,11 @@
 //! Adapters and the device opened on one of them; every call to wgpu that can fail goes through [`Device::guarded`].
 
 use crate::GpuError;
+use crate::grid::Grid;
 use crate::mark::Mark;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// The longest wait for submitted work: a software adapter at 16384² pixels stays below it, a hung shader does not.
@@ -146,7 +147,9 @@ pub struct Device {
     /// An error that reached no scope.
     stray: Arc<Mutex<Option<String>>>,
     /// Whether what it does is written down.
-    records: bool,
+    pub(crate) records: bool,
+    /// The grid of its corners, once measured.
+    pub(crate) grid: OnceLock<Option<Grid>>,
 }
 
 impl Device {
@@ -210,7 +213,8 @@ impl Device {
         });
         let slot = stray.clone();
         wgpu.on_uncaptured_error(Arc::new(move |error| fill(&slot, error.to_string())));
-        let device = Self { info, wgpu, queue, limits, lost, stray, records: matches!(of, Of::Recorded(_)) };
+        let records = matches!(of, Of::Recorded(_));
+        let device = Self { info, wgpu, queue, limits, lost, stray, records, grid: OnceLock::new() };
         device.fits(
             "a G-buffer",
             "max_color_attachment_bytes_per_sample",

@@ -3,6 +3,7 @@
 use crate::buffers::SceneBuffers;
 use crate::device::COMPILER;
 use crate::faults::Overrides;
+use crate::grid::Grid;
 use crate::hits::{self, Seen};
 use crate::ieee;
 use crate::mark::{Mark, UNDECIDED};
@@ -71,6 +72,14 @@ pub struct Renderer<'a> {
 }
 
 impl<'a> Renderer<'a> {
+    /// The grid to which the adapter snaps corners, as measured ([`Device::measured_grid`]).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn measured_grid(&self) -> Result<Option<Grid>, GpuError> {
+        self.device.measured_grid()
+    }
+
     /// Uploads a scene and what a technique draws of it, and reads the shaders of its programs.
     ///
     /// # Errors

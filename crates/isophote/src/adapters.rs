@@ -1,4 +1,4 @@
-//! `adapters`: which GPUs there are.
+//! `adapters`: which GPUs there are, and to which grid each snaps corners, measured now.
 
 use crate::format::Format;
 use crate::{say, terminal};
@@ -29,6 +29,12 @@ pub fn run(args: &AdaptersArgs) -> Result<()> {
                     json!({
                         "name": a.name, "kind": format!("{:?}", a.kind), "driver": a.driver,
                         "driver_info": a.driver_info, "backend": a.backend,
+                        "grid": measured(a).ok().flatten().map(|grid| json!({
+                            "bits": grid.bits, "rounding": match grid.rounding {
+                                gpu::Rounding::Nearest => "nearest",
+                                gpu::Rounding::OneWay => "one way",
+                            },
+                        })),
                     })
                 })
                 .collect();
@@ -38,13 +44,23 @@ pub fn run(args: &AdaptersArgs) -> Result<()> {
         Format::Table => {
             let mut table = Table::new();
             table.load_style(UTF8_FULL_CONDENSED);
-            table.set_header(["adapter", "kind", "driver", "back end"]);
+            table.set_header(["adapter", "kind", "driver", "back end", "corners go to"]);
             for a in &adapters {
                 let driver = format!("{} {}", a.driver, a.driver_info);
-                table.add_row([a.name.clone(), format!("{:?}", a.kind), driver, a.backend.clone()]);
+                let grid = match measured(a) {
+                    Ok(Some(grid)) => grid.to_string(),
+                    Ok(None) => "no grid that was found".to_owned(),
+                    Err(error) => format!("not measured: {error}"),
+                };
+                table.add_row([a.name.clone(), format!("{:?}", a.kind), driver, a.backend.clone(), grid]);
             }
             terminal::table(&table)?;
         }
     }
     Ok(())
+}
+
+/// The grid to which an adapter snaps corners; of several with one name it is the first one's.
+fn measured(adapter: &gpu::AdapterInfo) -> Result<Option<gpu::Grid>, gpu::GpuError> {
+    gpu::Device::open(Some(&adapter.name))?.measured_grid()
 }

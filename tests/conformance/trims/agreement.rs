@@ -41,7 +41,7 @@ fn differing(
         renderer.set(&*stage.prepared).expect("the same technique");
         let gbuffer =
             renderer.gbuffer(&stage.views, &stage.camera, viewport, stage.meta("gpu")).expect("the GPU draws");
-        let on_gpu = isophote::stage::OnGpu { gbuffer, shaded: None };
+        let on_gpu = isophote::stage::OnGpu { gbuffer, shaded: None, moves_px: None };
         let rendered = Rendered { raycast: stage.raycast(&caster), raster: stage.raster(), gpu: Ok(on_gpu) };
         let pairs = stage.compare(&caster, &rendered).expect("comparable");
         assert!(pairs.iter().all(|pair| pair.covered > 50), "{} shows too little", model.name());

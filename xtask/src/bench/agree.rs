@@ -27,8 +27,8 @@ pub fn disagreement(model: &Model, device: Option<&gpu::Device>, plan: Plan) -> 
                 return Ok(Some(format!("raster and gpu on {}: {unlike}", model.name())));
             }
         }
-        pairs.push(stage.against_raycast(&caster, &raycast, &on_gpu.gbuffer)?);
-        pairs.push(stage.against_raster(&raster, &on_gpu.gbuffer)?);
+        pairs.push(stage.against_raycast_on(&caster, &raycast, &on_gpu.gbuffer, on_gpu.moves_px)?);
+        pairs.push(stage.against_raster_on(&raster, &on_gpu.gbuffer, on_gpu.moves_px)?);
     }
     Ok(pairs.iter().find(|pair| pair.verdict != Verdict::Agree).map(|pair| {
         let how = match pair.verdict {

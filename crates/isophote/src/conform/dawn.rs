@@ -3,11 +3,10 @@
 use super::report::Subject;
 use super::run::{Adapter, DrawError, host};
 use crate::capsule::recorded;
-use crate::stage::{Plan, Stage};
+use crate::stage::{OnGpu, Plan, Stage};
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail, ensure};
 use files::Scratch;
-use gbuffer::GBuffer;
 use gpu::capsule::{self, Contents, Host, Played};
 use scene::{Camera, Viewport};
 use std::path::{Path, PathBuf};
@@ -68,13 +67,14 @@ impl Adapter for Dawn {
         }
     }
 
-    fn draw(&mut self, stage: &Stage) -> Result<GBuffer, DrawError> {
+    fn draw(&mut self, stage: &Stage) -> Result<OnGpu, DrawError> {
         let draw = || {
             let (contents, _) = recorded(stage, None)?;
             let played = played(&self.folder, self.adapter.as_deref(), &contents)?;
             let drawn_by = &played.answer().host;
             ensure!(*drawn_by == self.host, "it was drawn on {}, not on {}", drawn_by.adapter, self.host.adapter);
-            anyhow::Ok(capsule::gbuffer(&contents, &played)?)
+            let gbuffer = capsule::gbuffer(&contents, &played)?;
+            anyhow::Ok(OnGpu { gbuffer, shaded: None, moves_px: None })
         };
         draw().map_err(|error| DrawError::Refused(format!("{error:#}")))
     }

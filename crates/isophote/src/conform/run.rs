@@ -7,7 +7,7 @@ use super::shard::Shard;
 use super::wrong::Vacuity;
 use crate::compare::pictures::difference;
 use crate::embedded::data_uri;
-use crate::stage::{Plan, Stage};
+use crate::stage::{OnGpu, Plan, Stage};
 use crate::terminal;
 use anyhow::{Context, Result};
 use compare::PairReport;
@@ -24,11 +24,11 @@ pub trait Adapter {
     /// What it says of itself.
     fn subject(&self) -> Subject;
 
-    /// The G-buffer of a stage.
+    /// The G-buffer of a stage, with what was measured of the adapter.
     ///
     /// # Errors
     /// [`DrawError::Lost`] where nothing more can be drawn, else [`DrawError::Refused`].
-    fn draw(&mut self, stage: &Stage) -> Result<GBuffer, DrawError>;
+    fn draw(&mut self, stage: &Stage) -> Result<OnGpu, DrawError>;
 }
 
 /// Why an adapter gave no G-buffer.
@@ -71,9 +71,9 @@ impl Adapter for Gpu {
         }
     }
 
-    fn draw(&mut self, stage: &Stage) -> Result<GBuffer, DrawError> {
+    fn draw(&mut self, stage: &Stage) -> Result<OnGpu, DrawError> {
         let drawn = stage.gpu(&self.device, None, gpu::Overrides::default());
-        drawn.map(|on_gpu| on_gpu.gbuffer).map_err(|error| match error.downcast_ref::<GpuError>() {
+        drawn.map_err(|error| match error.downcast_ref::<GpuError>() {
             Some(GpuError::Lost { .. } | GpuError::Timeout { .. }) => DrawError::Lost(format!("{error:#}")),
             _ => DrawError::Refused(format!("{error:#}")),
         })
@@ -271,7 +271,7 @@ impl Sitting<'_> {
                 case.triangles = stage.prepared.triangles();
                 let started = Instant::now();
                 let raster = stage.raster();
-                let mut outcome = self.outcome(&stage, &report.subjects[0].id, &raster, None, started);
+                let mut outcome = self.outcome(&stage, &report.subjects[0].id, (&raster, None), None, started);
                 if self.tries_wrong {
                     match Vacuity::of(&stage, self.caster, self.raycast, &raster) {
                         Ok(found) => outcome.wrong = Some(found),
@@ -290,7 +290,8 @@ impl Sitting<'_> {
                     let started = Instant::now();
                     match adapter.draw(&stage) {
                         Ok(drawn) => {
-                            let outcome = self.outcome(&stage, &id, &drawn, Some(&raster), started);
+                            let OnGpu { gbuffer: drawn, moves_px, .. } = drawn;
+                            let outcome = self.outcome(&stage, &id, (&drawn, moves_px), Some(&raster), started);
                             let unlike = first.as_ref().map(|first| unlike(first, &drawn));
                             case.outcomes.push(Outcome { unlike, ..outcome });
                             if leader.as_ref() == Some(&id) {
@@ -317,20 +318,20 @@ impl Sitting<'_> {
         report.cases.push(case);
     }
 
-    /// Compares what a subject drew with the ray caster and, for a GPU, with the CPU rasterizer.
+    /// Compares what a subject drew, and what was measured of it, with the ray caster and, for a GPU, with the CPU rasterizer.
     fn outcome(
         &self,
         stage: &Stage,
         subject: &str,
-        drawn: &GBuffer,
+        (drawn, moves_px): (&GBuffer, Option<f64>),
         raster: Option<&GBuffer>,
         started: Instant,
     ) -> Outcome {
         let compared = || -> Result<Vec<(Pair, &GBuffer)>> {
-            let against = stage.against_raycast(self.caster, self.raycast, drawn)?;
+            let against = stage.against_raycast_on(self.caster, self.raycast, drawn, moves_px)?;
             let mut pairs = vec![(self.pair(&against, self.raycast, drawn), self.raycast)];
             if let Some(raster) = raster {
-                let against = stage.against_raster(raster, drawn)?;
+                let against = stage.against_raster_on(raster, drawn, moves_px)?;
                 pairs.push((self.pair(&against, raster, drawn), raster));
             }
             Ok(pairs)

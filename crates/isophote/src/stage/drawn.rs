@@ -1,9 +1,9 @@
 //! A model, seen: everything the three renderers need, made once, and what they return.
 
-use super::plan::Plan;
+use super::plan::{Path, Plan};
 use crate::terminal;
 use anyhow::Result;
-use compare::{Interpolation, StandIn, VertexNormals};
+use compare::{Claims, Interpolation, StandIn, VertexNormals};
 use gbuffer::{GBuffer, Meta, Picture, Shading, Trims};
 use pipeline::mask::{MaskQuality, Trimming};
 use pipeline::{PackedScene, View};
@@ -67,6 +67,9 @@ pub struct OnGpu {
     pub gbuffer: GBuffer,
     /// Its own shading, in the fragment stage, where one was asked for.
     pub shaded: Option<Picture>,
+    /// How far its adapter's rasterizer moves a corner along each side of a pixel, as measured there; none where no rasterizer
+    /// draws corners, or no grid was found.
+    pub moves_px: Option<f64>,
 }
 
 impl<'m> Stage<'m> {
@@ -218,7 +221,9 @@ impl<'m> Stage<'m> {
         let shaded = shading
             .map(|shading| renderer.shaded(&self.views, &shading.uniform(&self.camera, size), self.viewport))
             .transpose()?;
-        Ok(OnGpu { gbuffer, shaded })
+        let is_rasterized = self.plan.path == Path::Fragment && self.plan.technique.claims() == Claims::Chord;
+        let grid = if is_rasterized { renderer.measured_grid()? } else { None };
+        Ok(OnGpu { gbuffer, shaded, moves_px: grid.map(gpu::Grid::moves_px) })
     }
 
     /// Renders by all three.

@@ -50,8 +50,8 @@ impl Stage<'_> {
     pub fn compare(&self, caster: &Caster, rendered: &Rendered) -> Result<Vec<PairReport>> {
         let mut pairs = vec![self.against_raycast(caster, &rendered.raycast, &rendered.raster)?];
         if let Ok(gpu) = &rendered.gpu {
-            pairs.push(self.against_raycast(caster, &rendered.raycast, &gpu.gbuffer)?);
-            pairs.push(self.against_raster(&rendered.raster, &gpu.gbuffer)?);
+            pairs.push(self.against_raycast_on(caster, &rendered.raycast, &gpu.gbuffer, gpu.moves_px)?);
+            pairs.push(self.against_raster_on(&rendered.raster, &gpu.gbuffer, gpu.moves_px)?);
         }
         Ok(pairs)
     }
@@ -61,7 +61,21 @@ impl Stage<'_> {
     /// # Errors
     /// Where the buffers cannot be compared.
     pub fn against_raycast(&self, caster: &Caster, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
-        self.pair(reference, &self.rays(caster), candidate, true)
+        self.against_raycast_on(caster, reference, candidate, None)
+    }
+
+    /// The same of an adapter whose rasterizer moves corners by `moves_px` along each side of a pixel, as was measured there.
+    ///
+    /// # Errors
+    /// Where the buffers cannot be compared.
+    pub fn against_raycast_on(
+        &self,
+        caster: &Caster,
+        reference: &GBuffer,
+        candidate: &GBuffer,
+        moves_px: Option<f64>,
+    ) -> Result<PairReport> {
+        self.pair(reference, &self.rays(caster), candidate, true, moves_px)
     }
 
     /// The GPU's buffer against the CPU rasterizer's.
@@ -69,8 +83,21 @@ impl Stage<'_> {
     /// # Errors
     /// Where the buffers cannot be compared.
     pub fn against_raster(&self, reference: &GBuffer, candidate: &GBuffer) -> Result<PairReport> {
+        self.against_raster_on(reference, candidate, None)
+    }
+
+    /// The same of an adapter as of [`Self::against_raycast_on`].
+    ///
+    /// # Errors
+    /// Where the buffers cannot be compared.
+    pub fn against_raster_on(
+        &self,
+        reference: &GBuffer,
+        candidate: &GBuffer,
+        moves_px: Option<f64>,
+    ) -> Result<PairReport> {
         let rasterizer = self.rasterizer(raster::Options { curvature: false, vertex_normals: false });
-        self.pair(reference, &Triangles(rasterizer.sampler()), candidate, false)
+        self.pair(reference, &Triangles(rasterizer.sampler()), candidate, false, moves_px)
     }
 
     /// What each comparison says of pixel `at`, with the names of reference and candidate.
@@ -87,15 +114,18 @@ impl Stage<'_> {
         let rasterizer = self.rasterizer(raster::Options { curvature: false, vertex_normals: false });
         let triangles = Triangles(rasterizer.sampler());
         let Rendered { raycast, raster, gpu } = rendered;
-        let mut pairs: Vec<(&GBuffer, &dyn Sampler, &GBuffer, bool)> = vec![(raycast, &rays, raster, true)];
+        let mut pairs: Vec<(&GBuffer, &dyn Sampler, &GBuffer, bool, Option<f64>)> =
+            vec![(raycast, &rays, raster, true, None)];
         if let Ok(gpu) = gpu {
-            pairs.push((raycast, &rays, &gpu.gbuffer, true));
-            pairs.push((raster, &triangles, &gpu.gbuffer, false));
+            pairs.push((raycast, &rays, &gpu.gbuffer, true, gpu.moves_px));
+            pairs.push((raster, &triangles, &gpu.gbuffer, false, gpu.moves_px));
         }
-        let verdict = |(reference, sampler, candidate, exact): (&GBuffer, &dyn Sampler, &GBuffer, bool)| {
-            let verdict = self.judge(exact).pixel(reference, sampler, candidate, &self.deviation(exact), exact, at)?;
-            Ok((reference.meta().renderer.clone(), candidate.meta().renderer.clone(), verdict))
-        };
+        let verdict =
+            |(reference, sampler, candidate, exact, moves_px): (&GBuffer, &dyn Sampler, &GBuffer, bool, _)| {
+                let deviation = self.deviation(exact, moves_px);
+                let verdict = self.judge(exact).pixel(reference, sampler, candidate, &deviation, exact, at)?;
+                Ok((reference.meta().renderer.clone(), candidate.meta().renderer.clone(), verdict))
+            };
         pairs.into_iter().map(verdict).collect()
     }
 
@@ -110,7 +140,7 @@ impl Stage<'_> {
         let reference = GBuffer::from_rows(self.viewport, self.meta("raycast"), (0..self.viewport.height()).map(row))
             .with_undecided(cast.undecided.map(|_| (x, y)));
         let rays = self.rays(caster);
-        Ok(self.judge(true).pixel(&reference, &rays, candidate, &self.deviation(true), true, at)?)
+        Ok(self.judge(true).pixel(&reference, &rays, candidate, &self.deviation(true, None), true, at)?)
     }
 
     fn rays<'a>(&self, caster: &'a Caster<'a>) -> Rays<'a> {
@@ -128,13 +158,18 @@ impl Stage<'_> {
         judge.with_unbounded_share(self.plan.unbounded_share)
     }
 
-    /// The allowance against the surface itself, or between two renderers of the same triangles.
-    fn deviation(&self, exact: bool) -> Deviation {
+    /// The allowance against the surface itself, or between two renderers of the same triangles; `moves_px` is what was measured of
+    /// the candidate's adapter.
+    fn deviation(&self, exact: bool, moves_px: Option<f64>) -> Deviation {
         let (claims, chord, asked_px) = (self.plan.technique.claims(), self.prepared.chord(), self.plan.chord_px);
         let deviation = if exact {
             Deviation::against_surface(claims, &self.interpolation, chord, asked_px)
         } else {
             Deviation::between_twins(claims, &self.interpolation, chord, asked_px)
+        };
+        let deviation = match moves_px {
+            None => deviation,
+            Some(moves_px) => deviation.on_grid(moves_px),
         };
         let deviation = match &self.vertex_normals {
             None => deviation,
@@ -153,10 +188,17 @@ impl Stage<'_> {
         }
     }
 
-    fn pair(&self, reference: &GBuffer, sampler: &dyn Sampler, candidate: &GBuffer, exact: bool) -> Result<PairReport> {
+    fn pair(
+        &self,
+        reference: &GBuffer,
+        sampler: &dyn Sampler,
+        candidate: &GBuffer,
+        exact: bool,
+        moves_px: Option<f64>,
+    ) -> Result<PairReport> {
         let what = format!("{} | {}", reference.meta().renderer, candidate.meta().renderer);
         let bar = terminal::progress(&what, self.viewport.height());
-        let deviation = self.deviation(exact);
+        let deviation = self.deviation(exact, moves_px);
         Ok(self.judge(exact).pair(reference, sampler, candidate, &deviation, exact, &|rows| bar.inc(rows as u64))?)
     }
 }

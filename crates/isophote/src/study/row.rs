@@ -3,7 +3,7 @@
 use super::error::{Errors, Spread, errors, normals};
 use super::goal::{Goal, meet};
 use crate::cost::{self, Cost, Patience};
-use crate::stage::{Plan, Stage};
+use crate::stage::{OnGpu, Plan, Stage};
 use anyhow::Result;
 use compare::{Claims, PairReport, Verdict};
 use gbuffer::GBuffer;
@@ -146,8 +146,11 @@ fn on_gpu(
     raster: &GBuffer,
     not_timed: &mut Vec<String>,
 ) -> Result<Option<Cost>> {
-    let picture = stage.gpu(device, None, gpu::Overrides::default())?.gbuffer;
-    let pairs = [stage.against_raycast(scene.caster, scene.exact, &picture)?, stage.against_raster(raster, &picture)?];
+    let OnGpu { gbuffer: picture, moves_px, .. } = stage.gpu(device, None, gpu::Overrides::default())?;
+    let pairs = [
+        stage.against_raycast_on(scene.caster, scene.exact, &picture, moves_px)?,
+        stage.against_raster_on(raster, &picture, moves_px)?,
+    ];
     if !pairs.iter().all(|pair| agrees(pair, not_timed)) {
         return Ok(None);
     }

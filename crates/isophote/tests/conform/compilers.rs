@@ -13,8 +13,8 @@ fn one_pixel_that_is_moved_is_unlike_and_nothing_else_is() {
     let model = ModelArgs::named("sphere").read().expect("a built-in model").model;
     let viewport = Viewport::new(24, 24).expect("a legal size");
     let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, Plan::default()).expect("it is drawn");
-    let [right, again] = [gpu().draw(&stage), gpu().draw(&stage)].map(|drawn| drawn.expect("a picture"));
-    let wrong = Wrong(gpu()).draw(&stage).expect("a picture");
+    let [right, again] = [gpu().draw(&stage), gpu().draw(&stage)].map(|drawn| drawn.expect("a picture").gbuffer);
+    let wrong = Wrong(gpu()).draw(&stage).expect("a picture").gbuffer;
     assert_eq!([unlike(&right, &again), unlike(&right, &wrong)], [0, 1]);
 }
 

@@ -6,7 +6,7 @@ use isophote::conform::corpus::{SCENES, Scene, Suite};
 use isophote::conform::report::{Case, Report, Subject};
 use isophote::conform::run::{Adapter, DrawError, Gpu, Plans};
 use isophote::conform::shard::Shard;
-use isophote::stage::Stage;
+use isophote::stage::{OnGpu, Stage};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
@@ -69,7 +69,7 @@ impl Adapter for Losing {
         self.gpu.subject()
     }
 
-    fn draw(&mut self, stage: &Stage) -> Result<GBuffer, DrawError> {
+    fn draw(&mut self, stage: &Stage) -> Result<OnGpu, DrawError> {
         match self.left.checked_sub(1) {
             Some(left) => self.left = left,
             None => return Err(DrawError::Lost("the device was lost while drawing: pulled out".to_owned())),
@@ -86,15 +86,16 @@ impl Adapter for Wrong {
         self.0.subject()
     }
 
-    fn draw(&mut self, stage: &Stage) -> Result<GBuffer, DrawError> {
-        let right = self.0.draw(stage)?;
+    fn draw(&mut self, stage: &Stage) -> Result<OnGpu, DrawError> {
+        let OnGpu { gbuffer: right, moves_px, .. } = self.0.draw(stage)?;
         let (width, height) = (right.viewport().width(), right.viewport().height());
         let moved = |x, y, hit: &Hit| {
             let here = (x, y) == (width / 2, height / 2);
             Hit { position: hit.position + if here { DVec3::Z * 0.01 } else { DVec3::ZERO }, ..*hit }
         };
         let row = |y| (0..width).map(|x| right.get(x, y).map(|hit| moved(x, y, hit))).collect::<Vec<_>>();
-        Ok(GBuffer::from_rows(right.viewport(), right.meta().clone(), (0..height).map(row)))
+        let gbuffer = GBuffer::from_rows(right.viewport(), right.meta().clone(), (0..height).map(row));
+        Ok(OnGpu { gbuffer, shaded: None, moves_px })
     }
 }
 
