@@ -8,6 +8,7 @@
 
 mod bits;
 mod buffer;
+mod columns;
 mod error;
 mod highlight;
 mod hit;
@@ -22,6 +23,7 @@ mod shade;
 
 pub use bits::{Unlike, UnlikeNumber};
 pub use buffer::{GBuffer, Meta, Rows, Trims};
+pub use columns::{Column, Pixel, columns_of_hits};
 pub use error::GBufferError;
 pub use highlight::{HungLamps, Lamps};
 pub use hit::{EDGE_REACH_PX, Hit, LocalParameters, PrincipalCurvatures};

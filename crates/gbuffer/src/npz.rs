@@ -34,11 +34,11 @@ mod element;
 mod meta;
 mod read;
 
+use crate::columns::{Column, Pixel};
 use crate::npy::Header;
 use crate::{GBuffer, GBufferError, Hit, Meta};
 use array::{CHUNK_ELEMENTS, shape};
 use files::ReadError;
-use glam::{DVec2, DVec3};
 use meta::MetaText;
 use scene::Viewport;
 use std::fs::File;
@@ -49,9 +49,6 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// The largest file that is read, bytes: 16 GiB, more than the largest picture takes.
 const MAX_BYTES: u64 = 1 << 34;
-
-/// `status` where nothing is hit.
-const NO_STATUS: u8 = 255;
 
 /// Bytes of an entry from which on the zip64 form is written: 32-bit sizes end at 2³² − 1, and deflate may add a little.
 const ZIP64_FROM: u64 = 0xf000_0000;
@@ -97,6 +94,19 @@ impl GBuffer {
         read::archive(BufReader::new(open(path)?), path)
     }
 
+    /// Reads bytes of the same form; `name` stands for the file's in messages.
+    ///
+    /// # Errors
+    /// As [`Self::read_npz`].
+    pub fn from_npz_bytes(bytes: &[u8], name: &str) -> Result<Self, GBufferError> {
+        read::archive(Cursor::new(bytes), Path::new(name))
+    }
+
+    /// `meta` as files hold it: a JSON object.
+    pub fn meta_text(&self) -> String {
+        serde_json::to_string(&MetaText::new(self)).expect("names and numbers are JSON")
+    }
+
     /// The facts of a file and the picture's size, without its arrays: memory is that of `meta`.
     ///
     /// # Errors
@@ -116,24 +126,16 @@ impl GBuffer {
 
     fn write_archive<W: Write + Seek>(&self, writer: W) -> io::Result<W> {
         let mut archive = Archive { zip: ZipWriter::new(writer), buffer: self };
-        archive.pixels("hit", "|u1", |hit| [u8::from(hit.is_some())])?;
-        archive.pixels("face", "<i4", |hit| hit.map_or(-1, |h| h.face.0 as i32).to_le_bytes())?;
-        archive.numbers("u", |hit| hit.uv.x)?;
-        archive.numbers("v", |hit| hit.uv.y)?;
-        if self.has_local() {
-            archive.spans()?;
-            archive.vectors("local", |hit| hit.local.map_or(DVec2::NAN, |local| local.uv).to_array())?;
+        for (array, column) in self.columns() {
+            match column {
+                Column::Byte(value) => archive.pixels(array, "|u1", value, |x| [x])?,
+                Column::Integer(value) => archive.pixels(array, "<i4", value, i32::to_le_bytes)?,
+                Column::Integers(value) => archive.vectors(array, "<i4", value, i32::to_le_bytes)?,
+                Column::Number(value) => archive.pixels(array, "<f8", value, f64::to_le_bytes)?,
+                Column::Pair(value) => archive.vectors(array, "<f8", value, f64::to_le_bytes)?,
+                Column::Triple(value) => archive.vectors(array, "<f8", value, f64::to_le_bytes)?,
+            }
         }
-        archive.numbers("t", |hit| hit.t)?;
-        archive.vectors("pos", |hit| hit.position.to_array())?;
-        archive.vectors("normal", |hit| hit.normal.unit().unwrap_or(DVec3::NAN).to_array())?;
-        archive.pixels("status", "|u1", |hit| [hit.map_or(NO_STATUS, |h| h.normal.status() as u8)])?;
-        archive.numbers("k1", |hit| hit.curvature.map_or(f64::NAN, |k| k.k1))?;
-        archive.numbers("k2", |hit| hit.curvature.map_or(f64::NAN, |k| k.k2))?;
-        if self.has_edges() {
-            archive.vectors("edge", |hit| hit.edge.unwrap_or(DVec2::NAN).to_array())?;
-        }
-        archive.undecided()?;
         archive.meta()?;
         Ok(archive.zip.finish()?)
     }
@@ -166,47 +168,44 @@ impl<W: Write + Seek> Archive<'_, W> {
         self.zip.write_all(&header.to_bytes())
     }
 
-    /// An array of `N` bytes a pixel.
-    fn write<const N: usize>(
+    /// An array of one element a pixel.
+    fn pixels<T, const B: usize>(
         &mut self,
         array: &str,
         descr: &str,
-        values: impl Iterator<Item = [u8; N]>,
+        value: fn(Pixel) -> T,
+        bytes: fn(T) -> [u8; B],
     ) -> io::Result<()> {
-        let viewport = self.buffer.viewport();
-        self.start(array, Header::new(descr, shape(viewport, None)), (viewport.pixels() * N) as u64)?;
-        let mut chunk = Vec::with_capacity(N * CHUNK_ELEMENTS);
-        for value in values {
-            chunk.extend(value);
-            if chunk.len() == N * CHUNK_ELEMENTS {
-                self.zip.write_all(&chunk)?;
-                chunk.clear();
-            }
-        }
-        self.zip.write_all(&chunk)
+        let values = self.buffer.values(value).map(|x| [x]);
+        self.write(array, descr, None, values, bytes)
     }
 
-    fn pixels<const N: usize>(
+    /// An array of several elements a pixel.
+    fn vectors<T, const N: usize, const B: usize>(
         &mut self,
         array: &str,
         descr: &str,
-        value: impl Fn(Option<&Hit>) -> [u8; N],
+        value: fn(Pixel) -> [T; N],
+        bytes: fn(T) -> [u8; B],
     ) -> io::Result<()> {
-        self.write(array, descr, self.buffer.pixels().map(value))
+        let values = self.buffer.values(value);
+        self.write(array, descr, Some(N as u64), values, bytes)
     }
 
-    fn numbers(&mut self, array: &str, value: impl Fn(&Hit) -> f64) -> io::Result<()> {
-        self.pixels(array, "<f8", |hit| hit.map_or(f64::NAN, &value).to_le_bytes())
-    }
-
-    fn vectors<const N: usize>(&mut self, array: &str, value: impl Fn(&Hit) -> [f64; N]) -> io::Result<()> {
+    fn write<T, const N: usize, const B: usize>(
+        &mut self,
+        array: &str,
+        descr: &str,
+        components: Option<u64>,
+        values: impl Iterator<Item = [T; N]>,
+        bytes: fn(T) -> [u8; B],
+    ) -> io::Result<()> {
         let viewport = self.buffer.viewport();
-        let bytes = (viewport.pixels() * N * size_of::<f64>()) as u64;
-        self.start(array, Header::new("<f8", shape(viewport, Some(N as u64))), bytes)?;
-        let full = N * size_of::<f64>() * CHUNK_ELEMENTS;
+        self.start(array, Header::new(descr, shape(viewport, components)), (viewport.pixels() * N * B) as u64)?;
+        let full = N * B * CHUNK_ELEMENTS;
         let mut chunk = Vec::with_capacity(full);
-        for hit in self.buffer.pixels() {
-            chunk.extend(hit.map_or([f64::NAN; N], &value).into_iter().flat_map(f64::to_le_bytes));
+        for value in values {
+            chunk.extend(value.into_iter().flat_map(bytes));
             if chunk.len() == full {
                 self.zip.write_all(&chunk)?;
                 chunk.clear();
@@ -215,27 +214,8 @@ impl<W: Write + Seek> Archive<'_, W> {
         self.zip.write_all(&chunk)
     }
 
-    fn spans(&mut self) -> io::Result<()> {
-        let viewport = self.buffer.viewport();
-        let bytes: Vec<u8> = self
-            .buffer
-            .pixels()
-            .flat_map(|hit| hit.and_then(|hit| hit.local).map_or([-1; 2], |local| local.span.map(|k| k as i32)))
-            .flat_map(i32::to_le_bytes)
-            .collect();
-        self.start("span", Header::new("<i4", shape(viewport, Some(2))), bytes.len() as u64)?;
-        self.zip.write_all(&bytes)
-    }
-
-    fn undecided(&mut self) -> io::Result<()> {
-        let viewport = self.buffer.viewport();
-        let (width, buffer) = (viewport.width(), self.buffer);
-        let values = (0..viewport.pixels()).map(|i| [u8::from(buffer.is_undecided(i % width, i / width))]);
-        self.write("undecided", "|u1", values)
-    }
-
     fn meta(&mut self) -> io::Result<()> {
-        let text = serde_json::to_string(&MetaText::new(self.buffer)).map_err(io::Error::from)?;
+        let text = self.buffer.meta_text();
         let units: Vec<u8> = text.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
         self.start("meta", Header::new(format!("<U{}", units.len() / 4), vec![]), units.len() as u64)?;
         self.zip.write_all(&units)

@@ -13,7 +13,7 @@ mod table;
 mod verdict;
 
 pub use args::{CompareArgs, DrawingArgs, Shade};
-pub use saved::{Saved, SavedFile};
+pub use saved::{Saved, SavedComparison, SavedFile};
 
 use crate::format::Format;
 use crate::output;

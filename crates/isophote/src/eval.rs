@@ -4,6 +4,7 @@ use crate::view::ModelArgs;
 use crate::{output, terminal};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
+use glam::DVec3;
 use nurbs::{Direction, KnotVector, NormalStatus, Surface, SurfacePoint};
 use scene::Model;
 use serde::Deserialize;
@@ -142,7 +143,11 @@ fn surface(model: &Model, index: usize) -> Result<&Surface> {
     model.surfaces().get(index).with_context(|| format!("it names surface {index}; the model has {count}"))
 }
 
-fn check(surface: &Surface, u: f64, v: f64) -> Result<()> {
+/// Whether a surface has these parameters.
+///
+/// # Errors
+/// Where they are outside its domain.
+pub fn check(surface: &Surface, u: f64, v: f64) -> Result<()> {
     let [[u0, u1], [v0, v1]] = surface.domain();
     if !((u0..=u1).contains(&u) && (v0..=v1).contains(&v)) {
         bail!("({u}, {v}) is outside the domain [{u0}, {u1}] x [{v0}, {v1}]");
@@ -170,7 +175,6 @@ fn span(knots: &KnotVector, t: f64, side: i8) -> usize {
 /// # Errors
 /// Where a value leaves f64: JSON has no infinity, and `null` would say that there is none.
 fn answer(u: f64, v: f64, point: &SurfacePoint) -> Result<Value> {
-    let d = &point.derivatives;
     let normal = point.normal.unit();
     let kind = match point.normal.status() {
         NormalStatus::Regular => "regular",
@@ -178,13 +182,27 @@ fn answer(u: f64, v: f64, point: &SurfacePoint) -> Result<Value> {
         NormalStatus::Undefined => "none",
     };
     let mut fields = json!({ "u": u, "v": v, "normal_kind": kind });
-    let vectors = [("S", d.s), ("Su", d.su), ("Sv", d.sv), ("Suu", d.suu), ("Suv", d.suv), ("Svv", d.svv)];
-    for (name, x) in vectors {
+    for (name, x) in vectors(point) {
         fields[name] = json!(x.to_array().map(|x| finite(name, x)).into_iter().collect::<Result<Vec<f64>>>()?);
     }
     fields["normal"] = json!(normal.map(|n| n.to_array()));
-    let known = point.curvature.zip(normal);
-    let scalars = [
+    for (name, x) in scalars(point) {
+        fields[name] = json!(x.map(|x| finite(name, x)).transpose()?);
+    }
+    Ok(fields)
+}
+
+/// S and its derivatives by their names, model units.
+pub fn vectors(point: &SurfacePoint) -> [(&'static str, DVec3); 6] {
+    let d = &point.derivatives;
+    [("S", d.s), ("Su", d.su), ("Sv", d.sv), ("Suu", d.suu), ("Suv", d.suv), ("Svv", d.svv)]
+}
+
+/// Curvatures and the coefficients of both fundamental forms by their names; `None` where the normal is not regular.
+pub fn scalars(point: &SurfacePoint) -> [(&'static str, Option<f64>); 10] {
+    let d = &point.derivatives;
+    let known = point.curvature.zip(point.normal.unit());
+    [
         ("K", known.map(|(k, _)| k.gaussian)),
         ("H", known.map(|(k, _)| k.mean)),
         ("k1", known.map(|(k, _)| k.k1)),
@@ -195,15 +213,14 @@ fn answer(u: f64, v: f64, point: &SurfacePoint) -> Result<Value> {
         ("L", known.map(|(_, n)| d.suu.dot(n))),
         ("M", known.map(|(_, n)| d.suv.dot(n))),
         ("N", known.map(|(_, n)| d.svv.dot(n))),
-    ];
-    for (name, x) in scalars {
-        fields[name] = json!(x.map(|x| finite(name, x)).transpose()?);
-    }
-    Ok(fields)
+    ]
 }
 
 /// The value, if f64 holds it.
-fn finite(name: &str, x: f64) -> Result<f64> {
+///
+/// # Errors
+/// Where it does not: which one.
+pub fn finite(name: &str, x: f64) -> Result<f64> {
     if !x.is_finite() {
         bail!("{name} leaves the range of f64 (about 1.8e308): measure the knots, or the model, in larger units");
     }
@@ -213,7 +230,6 @@ fn finite(name: &str, x: f64) -> Result<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     #[test]
     fn lines_are_answered_in_lines_and_an_error_names_its_line() {

@@ -11,7 +11,7 @@ use crate::{number, say, terminal};
 use anyhow::{Result, bail};
 use approximation::{ApproximationInfo, approximated};
 use clap::Args;
-pub use detail::text;
+pub use detail::{describe, text};
 use overview::Overview;
 use serde::Serialize;
 use std::process::ExitCode;
@@ -70,7 +70,7 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode> {
     let model = &document.model;
     let approximation = args.approximate.map(|tolerance| approximated(model, tolerance)).transpose()?;
     match args.format {
-        Format::Json => terminal::json_lines(&detail::describe(&document, approximation))?,
+        Format::Json => terminal::json_lines(&describe(&document, approximation))?,
         Format::Table => {
             say!("{}", text(&document))?;
             if let Some(ApproximationInfo { tolerance, patches, bicubic_patches, bound, .. }) = approximation {

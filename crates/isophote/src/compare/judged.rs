@@ -1,11 +1,11 @@
 //! `compare A.npz [B.npz]` as a person or a machine reads it.
 
-use super::answer::{SCHEMA_VERSION, answer, exit_code};
+use super::answer::{SCHEMA_VERSION, answer};
 use super::args::CompareArgs;
 use super::page::Page;
 use super::pictures::Pictures;
 use super::saved::{Saved, SavedComparison, SavedFile};
-use super::{table, verdict};
+use super::table;
 use crate::antialias::Antialias;
 use crate::say;
 use crate::text::escaped;
@@ -61,8 +61,9 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
     let paths: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
     let saved = Saved::open(&paths, args.of_model.as_deref())?;
     let plan = args.drawing.plan();
-    let SavedComparison { cast, pairs, diagnoses } = saved.compare(plan, args.drawing.trim.masks_px())?;
-    let buffers: Vec<&GBuffer> = std::iter::once(&cast).chain(saved.files.iter().map(|file| &file.buffer)).collect();
+    let comparison = saved.compare(plan, args.drawing.trim.masks_px())?;
+    let SavedComparison { cast, pairs, diagnoses } = &comparison;
+    let buffers: Vec<&GBuffer> = std::iter::once(cast).chain(saved.files.iter().map(|file| &file.buffer)).collect();
     let report = Report {
         schema_version: SCHEMA_VERSION,
         model: saved.model.name(),
@@ -72,8 +73,8 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
         camera: &saved.camera,
         regression_of: saved.regression_of.as_deref(),
         chord_px: plan.chord_px,
-        pairs: &pairs,
-        diagnoses: &diagnoses,
+        pairs,
+        diagnoses,
         undecided: cast.undecided(),
     };
     let pictures = Pictures::new(&saved.model, &saved.camera, &buffers, &args.shade.shading())?;
@@ -86,11 +87,10 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
         ("program", env!("CARGO_PKG_VERSION").to_owned()),
     ];
     facts.extend(report.files.iter().map(|file| ("file", file.line())));
-    let line = verdict::line(&pairs, &diagnoses, None, 0);
-    let (code, viewport) = (exit_code(&pairs), saved.viewport);
-    let page = Page { model: report.model, line, code, facts, pairs: &pairs, viewport };
-    answer(args, &report, &pictures, &page, || print(&report))?;
-    Ok(ExitCode::from(exit_code(&pairs)))
+    let (line, code, viewport) = (comparison.line(), comparison.exit_code(), saved.viewport);
+    let page = Page { model: report.model, line: line.clone(), code, facts, pairs, viewport };
+    answer(args, &report, &pictures, &page, || print(&report, &line))?;
+    Ok(ExitCode::from(code))
 }
 
 impl<'a> FileReport<'a> {
@@ -115,7 +115,7 @@ impl<'a> FileReport<'a> {
     }
 }
 
-fn print(report: &Report) -> Result<()> {
+fn print(report: &Report, line: &str) -> Result<()> {
     say!("{}, {}x{}", escaped(report.model), report.size[0], report.size[1])?;
     report.files.iter().try_for_each(|file| say!("{}", file.line()))?;
     if let Some(renderer) = report.regression_of {
@@ -125,5 +125,5 @@ fn print(report: &Report) -> Result<()> {
     if report.undecided > 0 {
         say!("the ray caster left {} pixels undecided", report.undecided)?;
     }
-    say!("{}", verdict::line(report.pairs, report.diagnoses, None, 0))
+    say!("{line}")
 }

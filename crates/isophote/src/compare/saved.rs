@@ -4,6 +4,8 @@
 //! itself can make its judge stricter, never milder: a technique and trims that allow more are the caller's to allow, the
 //! reference is always cast here and now, and pixels marked undecided are judged like any.
 
+use super::answer::exit_code;
+use super::verdict;
 use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
@@ -26,6 +28,9 @@ const SAVED_RAYCAST: &str = "raycast (saved)";
 
 /// What the ray caster calls its technique.
 const RAYS: &str = "rays";
+
+/// Where no file is given.
+const NOTHING: &str = "there is no saved G-buffer to compare";
 
 /// The longest name of a renderer, characters.
 const MAX_NAME: usize = 64;
@@ -69,13 +74,29 @@ pub struct SavedComparison {
     pub diagnoses: Vec<Option<Diagnosis>>,
 }
 
+impl SavedComparison {
+    /// The answer in one plain line.
+    pub fn line(&self) -> String {
+        verdict::line(&self.pairs, &self.diagnoses, None, 0)
+    }
+
+    /// 0 where all pairs agree; 1 where some pixel differs, or too many have no verdict; 2 where no pair shows anything.
+    pub fn exit_code(&self) -> u8 {
+        exit_code(&self.pairs)
+    }
+}
+
 impl SavedFile {
     /// Reads a file and checks what it says of itself.
     ///
     /// # Errors
     /// Where it is no G-buffer, or its renderer or camera is not one; each message names the file.
     pub fn open(path: &Path) -> Result<Self> {
-        let buffer = GBuffer::read_npz(path)?;
+        Self::of(path, GBuffer::read_npz(path)?)
+    }
+
+    /// Checks what a buffer says of itself; `path` is what messages call it.
+    fn of(path: &Path, buffer: GBuffer) -> Result<Self> {
         let place = || path.display().to_string();
         let meta = buffer.meta();
         let name = &meta.renderer;
@@ -193,11 +214,34 @@ fn shown(path: &Path, meta: &Meta, named: Option<&str>) -> Result<Model> {
             format!("{place}: its model {:?} is no built-in one; name its file by --model", meta.model)
         })?,
     };
+    check_hash(path, meta, &model)?;
+    Ok(model)
+}
+
+fn check_hash(path: &Path, meta: &Meta, model: &Model) -> Result<()> {
     if model.hash() != meta.model_hash {
-        let (name, hash, shown) = (model.name(), model.hash(), &meta.model_hash);
+        let (place, name, hash, shown) = (path.display(), model.name(), model.hash(), &meta.model_hash);
         bail!("{place}: it shows a model with hash {shown:?}; {name:?} has {hash:?}");
     }
-    Ok(model)
+    Ok(())
+}
+
+/// Whether all files show the first one's model at its size, by what they say of themselves.
+fn check_facts(facts: &[(Meta, Viewport)], paths: &[PathBuf]) -> Result<()> {
+    let Some(((meta, viewport), path)) = facts.first().zip(paths.first()) else { return Ok(()) };
+    for ((own, size), place) in facts.iter().zip(paths) {
+        let differs = |what, own: String, firsts: String| {
+            bail!("{}: its {what} {own} is not that of {}, {firsts}", place.display(), path.display())
+        };
+        if own.model_hash != meta.model_hash {
+            return differs("model's hash", own.model_hash.clone(), meta.model_hash.clone());
+        }
+        if size != viewport {
+            let text = |v: &Viewport| format!("{}x{}", v.width(), v.height());
+            return differs("size", text(size), text(viewport));
+        }
+    }
+    Ok(())
 }
 
 impl Saved {
@@ -209,24 +253,31 @@ impl Saved {
     pub fn open(paths: &[PathBuf], model: Option<&str>) -> Result<Self> {
         // What a file says of itself comes first: its arrays may be a thousand times as long as the file.
         let facts = paths.iter().map(GBuffer::read_npz_meta).collect::<Result<Vec<(Meta, Viewport)>, _>>()?;
-        let ((meta, viewport), path) =
-            facts.first().zip(paths.first()).context("there is no saved G-buffer to compare")?;
-        let (model, viewport) = (shown(path, meta, model)?, *viewport);
-        for ((own, size), place) in facts.iter().zip(paths) {
-            let differs = |what, own: String, firsts: String| {
-                bail!("{}: its {what} {own} is not that of {}, {firsts}", place.display(), path.display())
-            };
-            if own.model_hash != meta.model_hash {
-                return differs("model's hash", own.model_hash.clone(), meta.model_hash.clone());
-            }
-            if *size != viewport {
-                let text = |v: Viewport| format!("{}x{}", v.width(), v.height());
-                return differs("size", text(*size), text(viewport));
-            }
+        let ((meta, _), path) = facts.first().zip(paths.first()).context(NOTHING)?;
+        let model = shown(path, meta, model)?;
+        check_facts(&facts, paths)?;
+        Self::of_files(model, paths.iter().map(|path| SavedFile::open(path)).collect::<Result<Vec<SavedFile>>>()?)
+    }
+
+    /// One or two buffers that are not in files, each with what messages call it.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn of_buffers(model: Model, buffers: Vec<(PathBuf, GBuffer)>) -> Result<Self> {
+        let (paths, facts): (Vec<PathBuf>, Vec<(Meta, Viewport)>) =
+            buffers.iter().map(|(path, buffer)| (path.clone(), (buffer.meta().clone(), buffer.viewport()))).unzip();
+        for ((meta, _), path) in facts.iter().zip(&paths).take(1) {
+            check_hash(path, meta, &model)?;
         }
-        let mut files = paths.iter().map(|path| SavedFile::open(path)).collect::<Result<Vec<SavedFile>>>()?;
-        let first = &files[0];
-        let camera = first.camera;
+        check_facts(&facts, &paths)?;
+        let files = buffers.into_iter().map(|(path, buffer)| SavedFile::of(&path, buffer));
+        Self::of_files(model, files.collect::<Result<Vec<SavedFile>>>()?)
+    }
+
+    /// Files of the model at one size, which may still differ in their cameras.
+    fn of_files(model: Model, mut files: Vec<SavedFile>) -> Result<Self> {
+        let first = files.first().context(NOTHING)?;
+        let (camera, viewport) = (first.camera, first.buffer.viewport());
         for file in &files {
             if file.camera != camera {
                 let [own, firsts] = [file, first].map(|file| file.buffer.meta().camera.to_string());
