@@ -114,19 +114,18 @@ impl Stage<'_> {
         let rasterizer = self.rasterizer(raster::Options { curvature: false, vertex_normals: false });
         let triangles = Triangles(rasterizer.sampler());
         let Rendered { raycast, raster, gpu } = rendered;
-        let mut pairs: Vec<(&GBuffer, &dyn Sampler, &GBuffer, bool, Option<f64>)> =
-            vec![(raycast, &rays, raster, true, None)];
-        if let Ok(gpu) = gpu {
-            pairs.push((raycast, &rays, &gpu.gbuffer, true, gpu.moves_px));
-            pairs.push((raster, &triangles, &gpu.gbuffer, false, gpu.moves_px));
-        }
-        let verdict =
-            |(reference, sampler, candidate, exact, moves_px): (&GBuffer, &dyn Sampler, &GBuffer, bool, _)| {
+        let judged =
+            |reference: &GBuffer, sampler: &dyn Sampler, candidate: &GBuffer, exact: bool, moves_px| -> Result<_> {
                 let deviation = self.deviation(exact, moves_px);
                 let verdict = self.judge(exact).pixel(reference, sampler, candidate, &deviation, exact, at)?;
                 Ok((reference.meta().renderer.clone(), candidate.meta().renderer.clone(), verdict))
             };
-        pairs.into_iter().map(verdict).collect()
+        let mut verdicts = vec![judged(raycast, &rays, raster, true, None)?];
+        if let Ok(gpu) = gpu {
+            verdicts.push(judged(raycast, &rays, &gpu.gbuffer, true, gpu.moves_px)?);
+            verdicts.push(judged(raster, &triangles, &gpu.gbuffer, false, gpu.moves_px)?);
+        }
+        Ok(verdicts)
     }
 
     /// What is said of pixel `at` of a rasterized buffer against the one ray that is cast there.
