@@ -27,6 +27,11 @@ pub struct Shares {
 pub struct Histogram(pub [usize; BINS]);
 
 impl Histogram {
+    /// How many values there are.
+    pub fn count(&self) -> usize {
+        self.0.iter().sum()
+    }
+
     fn add(&mut self, share: f64) {
         self.0[((share * BINS as f64) as usize).min(BINS - 1)] += 1;
     }

@@ -64,6 +64,27 @@ fn judged(name: &str, buffer: &GBuffer) -> (Verdict, Option<Diagnosis>) {
     (found.pairs[0].verdict, found.diagnoses[0].clone())
 }
 
+#[test]
+fn a_picture_without_curvatures_agrees_and_the_plain_line_says_what_was_not_judged() {
+    let scene = Scene::new([36, 24]);
+    let sound = scene.drawn(&scene.camera, [0.0; 2]);
+    let line = |name: &str, buffer: &GBuffer| {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("diagnosis-{name}.npz"));
+        buffer.write_npz(&path).expect("a file");
+        let found = Saved::open(&[path], None).expect("it opens").compare(Plan::default(), None).expect("it is judged");
+        assert_eq!(found.pairs[0].verdict, Verdict::Agree, "{name}");
+        found.line()
+    };
+    assert!(!line("with-curvatures", &sound).contains("curvatures"));
+    let none = scene.each(&sound, |hit| Hit { curvature: None, ..hit });
+    assert!(line("without-curvatures", &none).contains("; no curvatures are given, so none were judged."));
+    let half = scene.saved(|x, y| {
+        let hit = *sound.get(x, y)?;
+        Some(Hit { curvature: hit.curvature.filter(|_| x.is_multiple_of(2)), ..hit })
+    });
+    assert!(line("half-the-curvatures", &half).contains("; curvatures are given, and were judged, at "));
+}
+
 /// A number as 10 bits after the leading one hold it, rounded to the nearest.
 fn half(x: f64) -> f64 {
     let bits = (x as f32).to_bits();

@@ -115,7 +115,9 @@ pub(super) fn pairs(pairs: &[PairReport]) -> Result<()> {
             // A renderer that gives no curvatures uses nothing of their interval.
             let share = |x: f64| if x > 0.0 { format!("{:.1} %", 100.0 * x) } else { "—".to_owned() };
             let [s, n, k] = [pair.position_share, pair.normal_share, pair.curvature_share].map(share);
-            say!("  of the proven intervals S uses {s}, the normal {n}, curvatures {k}")?;
+            let [normals, curvatures] = [pair.shares.normal.count(), pair.shares.curvature.count()];
+            let given = if curvatures < normals { format!(" (given at {curvatures} pixels)") } else { String::new() };
+            say!("  of the proven intervals S uses {s}, the normal {n}, curvatures {k}{given}")?;
             say!("  in depth the farthest is off by {} model units", short(pair.max_along))?;
         }
         if let Some(edges) = &pair.edges {

@@ -43,6 +43,10 @@ pub(super) fn line(
     }
 }
 
+/// Where fewer than this share of the pixels with a normal have curvatures, too, the plain line says so: what a renderer leaves out
+/// is not judged.
+const MOST: f64 = 0.9;
+
 /// Who agrees, where no pixel differs.
 fn agreement(pairs: &[PairReport]) -> String {
     let covered = pairs.iter().map(|pair| pair.covered).max().unwrap_or(0);
@@ -66,7 +70,13 @@ fn agreement(pairs: &[PairReport]) -> String {
     let off = farthest.map_or(String::new(), |pair| {
         format!("; worst distance {} px where {} is allowed", short(pair.max_px), short(pair.bound_px))
     });
-    format!("{who} agree on {all}{off}.")
+    let given = |pair: &PairReport| (pair.shares.curvature.count(), pair.shares.normal.count());
+    let fewest = pairs.iter().map(given).find(|&(curvatures, normals)| (curvatures as f64) < MOST * normals as f64);
+    let left_out = fewest.map_or(String::new(), |(curvatures, _)| match curvatures {
+        0 => "; no curvatures are given, so none were judged".to_owned(),
+        _ => format!("; curvatures are given, and were judged, at {} of them", grouped(curvatures)),
+    });
+    format!("{who} agree on {all}{off}{left_out}.")
 }
 
 /// A count with its thousands apart.
