@@ -37,6 +37,11 @@ fn extent(piece: PieceRecord) -> vec2<f32> {
     return piece.rectangle.zw - piece.rectangle.xy;
 }
 
+// The square of what S moves by where its parameters grow by shares of themselves, as rounding has them do.
+fn shifted_squared(uv: vec2<f32>, su: vec3<f32>, sv: vec3<f32>) -> f32 {
+    return dot(su, su) * (uv.x * uv.x) + dot(sv, sv) * (uv.y * uv.y);
+}
+
 fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>, is_divided: bool) -> Place {
     evaluations += 1u;
     let face = faces[piece.face];
@@ -57,7 +62,7 @@ fn place(piece: PieceRecord, s: Sight, uv: vec2<f32>, is_divided: bool) -> Place
     out.offset = vec2<f32>(plane(s.x, d.s), plane(s.y, d.s)) / divisor;
     out.squared = dot(out.offset, out.offset);
     let pixels = squared_pixels(s, divisor);
-    out.rounding_squared = ROUNDING * ROUNDING * pixels * (1.0 + (dot(d.su, d.su) + dot(d.sv, d.sv)));
+    out.rounding_squared = ROUNDING * ROUNDING * pixels * (1.0 + shifted_squared(uv, d.su, d.sv));
     let side_u = dot(d.su, d.su) * (size.x * size.x) * pixels;
     let side_v = dot(d.sv, d.sv) * (size.y * size.y) * pixels;
     out.side_squared = max(side_u, side_v);

@@ -8,7 +8,7 @@ use pipeline::sight::{Sight, dot, plane};
 use std::cell::Cell;
 
 /// What f32 may leave of an offset, as a share of the pixels that the face's own frame measures: eight roundings of S, and of
-/// parameters that are at most 1.
+/// the parameters, each a share of itself.
 pub const ROUNDING: f32 = 1.0 / 2097152.0;
 
 /// How far beyond the piece the search may go, as a share of it: there the polynomial goes on.
@@ -127,7 +127,7 @@ impl Problem<'_> {
             w,
             offset,
             squared: offset[0] * offset[0] + offset[1] * offset[1],
-            rounding_squared: ROUNDING * ROUNDING * squared_pixels * (1.0 + (dot(su, su) + dot(sv, sv))),
+            rounding_squared: ROUNDING * ROUNDING * squared_pixels * (1.0 + shifted_squared(uv, su, sv)),
             along_u: [along_u[0], along_u[1]],
             along_v: [along_v[0], along_v[1]],
             side_squared: side_u.max(side_v),
@@ -136,6 +136,13 @@ impl Problem<'_> {
             depth: [depth, along_u[2], along_v[2]],
         }
     }
+}
+
+/// The square of what S moves by where its parameters grow by shares of themselves. Their rounding is such a share, however fast S
+/// runs: near 0 parameters are as fine as can be. Basis functions are sums of positive products, so that theirs is a share, too.
+#[inline(always)]
+fn shifted_squared(uv: [f32; 2], su: [f32; 3], sv: [f32; 3]) -> f32 {
+    dot(su, su) * (uv[0] * uv[0]) + dot(sv, sv) * (uv[1] * uv[1])
 }
 
 /// The least and the greatest parameters to which the search may go.
