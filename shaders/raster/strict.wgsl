@@ -1,7 +1,7 @@
-// Arithmetic with the same bits everywhere: sums and products that are neither fused nor put in another order, quotients and
-// whole numbers of 64 bits in integers. Twin: Rust's own + − × ÷ on f32 and i64.
-// What is asked of an adapter: a sum or a product of two floats, alone, is rounded to nearest. The results that are below the
-// least normal float may be zero.
+// Arithmetic with the same bits everywhere: sums and products that are neither fused nor put in another order, quotients that are
+// corrected in integers, whole numbers of 64 bits. Twin: Rust's own + − × ÷ on f32 and i64.
+// What is asked of an adapter: a sum or a product of two floats, alone, is rounded to nearest, and a quotient is near (`quotient`). The
+// results of sums and products that are below the least normal float may be zero.
 
 // Zeros that no compiler sees.
 @group(1) @binding(5) var<uniform> zeros: vec4<u32>;
