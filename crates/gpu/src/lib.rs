@@ -7,6 +7,7 @@
 
 mod buffers;
 pub mod capsule;
+mod coverage;
 mod device;
 mod error;
 mod faults;

@@ -6,12 +6,13 @@
 //! holds exactly, and WebGPU promises that the format blends. A logic operation would do the same, and wgpu has none; nor do
 //! faces need rectangles to be cut to: a triangle with its corners in the box of a loop stays in it.
 
+use crate::coverage::Painter;
 use crate::groups::{READ, UNIFORM, whole};
 use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
 use pipeline::mask::MaskPlan;
 use pipeline::wgsl;
-use wgpu::{BlendComponent, BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat, TextureUsages};
+use wgpu::{BlendComponent, BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureUsages};
 
 const DRAWING: &str = "drawing the masks";
 
@@ -116,16 +117,7 @@ impl MaskAtlas {
     }
 
     fn blank(device: &Device, size: [u32; 2]) -> Self {
-        let texture = device.wgpu.create_texture(&wgpu::TextureDescriptor {
-            label: Some("masks"),
-            size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: TextureFormat::R8Unorm,
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let texture = device.coverage_target("masks", size, TextureUsages::TEXTURE_BINDING);
         let view = texture.create_view(&Default::default());
         Self { texture, view }
     }
@@ -136,41 +128,19 @@ fn layout(device: &Device) -> wgpu::BindGroupLayout {
 }
 
 fn pipeline(device: &Device, layout: &wgpu::BindGroupLayout, blend: MaskBlend) -> wgpu::RenderPipeline {
-    let layout = device.pipeline_layout("masks", &[Some(layout)]);
-    let module = device.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("masks"),
-        source: wgpu::ShaderSource::Wgsl(wgsl::ENTRY_MASK.into()),
-    });
     let turn_over = BlendComponent {
         src_factor: BlendFactor::OneMinusDst,
         dst_factor: BlendFactor::Zero,
         operation: BlendOperation::Add,
     };
     let blend = (blend == MaskBlend::Parity).then_some(wgpu::BlendState { color: turn_over, alpha: turn_over });
-    device.wgpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("masks"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("fan"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("toggle"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: TextureFormat::R8Unorm,
-                blend,
-                write_mask: wgpu::ColorWrites::RED,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
+    device.coverage_pipeline(Painter {
+        label: "masks",
+        source: wgsl::ENTRY_MASK,
+        entries: ["fan", "toggle"],
+        constants: &[],
+        layout: &device.pipeline_layout("masks", &[Some(layout)]),
+        blend,
     })
 }
 

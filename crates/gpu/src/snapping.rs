@@ -3,9 +3,10 @@
 //! A renderer is allowed what its corners are moved by. Vulkan lets a grid be as coarse as a 16th of a pixel and says nothing of how
 //! corners are rounded to it; WebGPU does not tell. So it is not believed of a name or a file.
 
+use crate::coverage::Painter;
 use crate::grid::{Grid, LENGTH, QUADS, either, fitting};
 use crate::{Device, GpuError};
-use wgpu::{TextureFormat, TextureUsages};
+use wgpu::TextureUsages;
 
 const SHADER: &str = include_str!("../../../shaders/snapping.wgsl");
 
@@ -42,16 +43,7 @@ impl Device {
         let [columns, rows] = if is_down { [LENGTH, width] } else { [width, LENGTH] };
         let (texture, encoder) = self.guarded(MEASURING, || {
             let pipeline = self.edges(is_down);
-            let texture = self.wgpu.create_texture(&wgpu::TextureDescriptor {
-                label: Some("edges"),
-                size: wgpu::Extent3d { width: columns, height: rows, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: TextureFormat::R8Unorm,
-                usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
+            let texture = self.coverage_target("edges", [columns, rows], TextureUsages::empty());
             let view = texture.create_view(&Default::default());
             let mut encoder = self.wgpu.create_command_encoder(&Default::default());
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -82,37 +74,13 @@ impl Device {
     }
 
     fn edges(&self, is_down: bool) -> wgpu::RenderPipeline {
-        let module = self.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("edges"),
-            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
-        });
-        let constants = [("IS_DOWN", f64::from(u8::from(is_down)))];
-        let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
-        let layout = self.pipeline_layout("edges", &[]);
-        self.wgpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("edges"),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("corner"),
-                compilation_options,
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("covered"),
-                compilation_options: Default::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: TextureFormat::R8Unorm,
-                    blend: None,
-                    write_mask: wgpu::ColorWrites::RED,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
+        self.coverage_pipeline(Painter {
+            label: "edges",
+            source: SHADER,
+            entries: ["corner", "covered"],
+            constants: &[("IS_DOWN", f64::from(u8::from(is_down)))],
+            layout: &self.pipeline_layout("edges", &[]),
+            blend: None,
         })
     }
 }
