@@ -218,39 +218,36 @@ impl ViewArgs {
         }
     }
 
-    /// As they stand on a command line.
-    pub fn words(&self) -> Vec<Words> {
-        let vectors =
-            [("--eye", &self.eye), ("--target", &self.target), ("--up", &self.up), ("--lens-shift", &self.lens_shift)];
-        let numbers = [
+    /// Those of several numbers.
+    fn vectors(&self) -> [(&'static str, &Option<Vec<f64>>); 4] {
+        [("--eye", &self.eye), ("--target", &self.target), ("--up", &self.up), ("--lens-shift", &self.lens_shift)]
+    }
+
+    /// Those of one number.
+    fn numbers(&self) -> [(&'static str, Option<f64>); 6] {
+        [
             ("--azimuth", self.azimuth),
             ("--elevation", self.elevation),
             ("--zoom", self.zoom),
             ("--fov", self.fov),
             ("--ortho", self.ortho),
             ("--near", self.near),
-        ];
+        ]
+    }
+
+    /// As they stand on a command line.
+    pub fn words(&self) -> Vec<Words> {
         let side = self.view.iter().map(|side| words::named("--view", side));
-        let vectors = vectors.into_iter().filter_map(|(name, v)| Some(words::numbers(name, v.as_ref()?)));
-        let numbers = numbers.into_iter().filter_map(|(name, x)| Some(words::numbers(name, &[x?])));
+        let vectors = self.vectors().into_iter().filter_map(|(name, v)| Some(words::numbers(name, v.as_ref()?)));
+        let numbers = self.numbers().into_iter().filter_map(|(name, x)| Some(words::numbers(name, &[x?])));
         let size = self.size.iter().map(|size| words::option("--size", size));
         side.chain(vectors).chain(numbers).chain(size).collect()
     }
 
     /// The first of these options that was given.
     pub fn given(&self) -> Option<&'static str> {
-        let vectors =
-            [("--eye", &self.eye), ("--target", &self.target), ("--up", &self.up), ("--lens-shift", &self.lens_shift)];
-        let numbers = [
-            ("--azimuth", self.azimuth),
-            ("--elevation", self.elevation),
-            ("--zoom", self.zoom),
-            ("--fov", self.fov),
-            ("--ortho", self.ortho),
-            ("--near", self.near),
-        ];
-        let vector = vectors.into_iter().find(|(_, v)| v.is_some()).map(|(name, _)| name);
-        let number = numbers.into_iter().find(|(_, n)| n.is_some()).map(|(name, _)| name);
+        let vector = self.vectors().into_iter().find(|(_, v)| v.is_some()).map(|(name, _)| name);
+        let number = self.numbers().into_iter().find(|(_, n)| n.is_some()).map(|(name, _)| name);
         vector.or(number).or(self.view.map(|_| "--view")).or(self.size.is_some().then_some("--size"))
     }
 
