@@ -6,8 +6,8 @@
 // or be made of one, is raised, and the picture is drawn again.
 override COMPUTES_SUBNORMALS: bool = true;
 
-// 2^-100: what is at least as large is summed by the adapter itself.
-const SMALL: u32 = 0x0d800000u;
+// 2^-100: what is at least as large is summed by the adapter itself, what is below it 2^100 times as large.
+const SCALED_BELOW: u32 = 0x0d800000u;
 // 2^-75: beside one as large, a sum below 2^-100 is exact and needs no number below the least normal one.
 const MODERATE: u32 = 0x1a000000u;
 const HUNDRED_EXPONENTS: u32 = 0x32000000u;
@@ -22,13 +22,13 @@ fn ieee_magnitude(x: f32) -> f32 {
 
 fn ieee_sum(a: f32, b: f32) -> f32 {
     let s = kept(a + b);
-    if ((bitcast<u32>(s) & MAGNITUDE) - SMALL < INFINITE - SMALL) {
+    if ((bitcast<u32>(s) & MAGNITUDE) - SCALED_BELOW < INFINITE - SCALED_BELOW) {
         return s;
     }
     let greatest = max(bitcast<u32>(a) & MAGNITUDE, bitcast<u32>(b) & MAGNITUDE);
     if (!COMPUTES_SUBNORMALS) {
         // Of a number of at least 2^-100 and another, a sum below is zero or normal.
-        if (greatest != 0u && greatest < SMALL) {
+        if (greatest != 0u && greatest < SCALED_BELOW) {
             raise_subnormal();
         }
         return s;

@@ -116,8 +116,7 @@ fn pictures(args: &StrictArgs, hosts: &mut [Box<dyn Adapter>], began: Instant) -
     let viewport = Viewport::new(side, side)?;
     let is_asked = |scene: &&Scene| args.scene.is_empty() || args.scene.iter().any(|name| name == scene.name);
     let mut counts = Counts::default();
-    // Masks are drawn by the adapter's own rasterizer.
-    for scene in scenes.into_iter().filter(|scene| !scene.masked).filter(is_asked) {
+    for scene in scenes.into_iter().filter(is_asked) {
         let model = scene.open().map_err(anyhow::Error::msg)?;
         let plans = args.suite.plans(scene).into_iter().filter(|plan| plan.technique == args.technique);
         for plan in plans.map(|plan| Plan { path: Path::Strict, ..plan }) {

@@ -1,10 +1,11 @@
 //! Strict programs: no operator on floats is left to an adapter, and what stands in their place has Rust's bits.
 
-use gpu::{Device, Operation, Operator};
+use gpu::{Device, Drawable, Operation, Operator};
 use naga::{Expression, Function, MathFunction, Module, ScalarKind, TypeInner, UnaryOperator};
 use pipeline::wgsl::{self, Variant};
 use pipeline::{Program, TrimMethod};
 use techniques::ByCompute;
+use techniques::exact::{Hulls, Strict};
 use xtask::strict::operations::{Operands, unlike};
 
 /// Functions in which the adapter's own sums and products stay, each behind a barrier.
@@ -49,9 +50,13 @@ fn left(module: &Module) -> Vec<String> {
 
 #[test]
 fn no_operator_on_floats_is_left_to_an_adapter() {
-    for trims in [TrimMethod::Whole, TrimMethod::Curves, TrimMethod::CurvesWithEdges] {
+    let search = Strict(Hulls::default());
+    let sources = [ByCompute::strict_parts(), search.parts()];
+    for (parts, trims) in sources.into_iter().flat_map(|parts| {
+        let trims = [TrimMethod::Whole, TrimMethod::Curves, TrimMethod::CurvesWithEdges, TrimMethod::Masks];
+        trims.map(|trims| (parts, trims))
+    }) {
         for (program, curvature) in [(Program::General, true), (Program::Degree(3), false)] {
-            let parts = ByCompute::strict_parts();
             let plain = wgsl::source(Variant { parts, program, curvature, vertex_normals: false, trims });
             let strict = gpu::strict(&plain).expect("it has a strict form");
             assert_eq!(left(&module(&strict)), [""; 0], "{trims:?} {program:?}");

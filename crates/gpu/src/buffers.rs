@@ -1,7 +1,7 @@
 //! What is uploaded once: the packed scene. Views and shading are written anew each frame.
 
 use crate::groups::{READ, UNIFORM, whole};
-use crate::masks::{MaskBlend, MaskPainter};
+use crate::masks::{MaskAtlas, MaskBlend, MaskPainter};
 use crate::{Device, GpuError};
 use gbuffer::ShadeUniform;
 use pipeline::mask::Masks;
@@ -45,7 +45,8 @@ pub struct SceneBuffers {
 }
 
 impl SceneBuffers {
-    /// Uploads a scene for shaders of the stages `visibility`, and draws its masks where it has any.
+    /// Uploads a scene for shaders of the stages `visibility`, and draws its masks where it has any; without a `blend` they are
+    /// the CPU's, texel by texel.
     ///
     /// # Errors
     /// [`GpuError::Limit`] where it does not fit the adapter; [`GpuError::OutOfMemory`], [`GpuError::Lost`].
@@ -53,7 +54,7 @@ impl SceneBuffers {
         device: &Device,
         scene: &PackedScene,
         visibility: ShaderStages,
-        blend: MaskBlend,
+        blend: Option<MaskBlend>,
     ) -> Result<Self, GpuError> {
         let faces = scene.faces().len();
         let views = vec![<View as bytemuck::Zeroable>::zeroed(); faces];
@@ -70,7 +71,10 @@ impl SceneBuffers {
         let storage: [wgpu::Buffer; 4] = storage.try_into().expect("four bindings");
         let shading = <ShadeUniform as bytemuck::Zeroable>::zeroed();
         let shading = device.buffer("shading", BufferUsages::UNIFORM, bytemuck::bytes_of(&shading))?;
-        let draw = |masks: &Masks| MaskPainter::new(device, blend)?.draw(device, &masks.plan);
+        let draw = |masks: &Masks| match blend {
+            Some(blend) => MaskPainter::new(device, blend)?.draw(device, &masks.plan),
+            None => MaskAtlas::of(device, masks),
+        };
         let atlas = scene.masks().filter(|_| scene.is_trimmed()).map(draw).transpose()?;
         let (layouts, group, views_group) = device.guarded(UPLOADING, || {
             let mut types = vec![READ, READ, READ, READ, UNIFORM];

@@ -5,12 +5,14 @@
 //! with source × (1 − destination) + destination × 0; with a source of one that exchanges 0 and 1, both of which the format
 //! holds exactly, and WebGPU promises that the format blends. A logic operation would do the same, and wgpu has none; nor do
 //! faces need rectangles to be cut to: a triangle with its corners in the box of a loop stays in it.
+//!
+//! Strict programs take no coverage from an adapter: their atlas is the CPU's, painted texel by texel.
 
 use crate::coverage::Painter;
 use crate::groups::{READ, UNIFORM, whole};
 use crate::{Device, GpuError};
 use bytemuck::{Pod, Zeroable};
-use pipeline::mask::MaskPlan;
+use pipeline::mask::{MaskPlan, Masks};
 use pipeline::wgsl;
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureUsages};
 
@@ -62,40 +64,14 @@ impl MaskPainter {
     /// [`GpuError::Limit`] where the atlas does not fit the adapter; [`GpuError::OutOfMemory`], [`GpuError::Timeout`],
     /// [`GpuError::Lost`].
     pub fn draw(&self, device: &Device, plan: &MaskPlan) -> Result<MaskAtlas, GpuError> {
-        let side = u64::from(plan.size[0].max(plan.size[1]));
-        let limit = u64::from(device.limits.max_texture_dimension_2d);
-        device.fits("the atlas of masks", "max_texture_dimension_2d", side, limit)?;
-        let atlas = device.guarded(DRAWING, || MaskAtlas::blank(device, plan.size))?;
+        let atlas = MaskAtlas::blank(device, plan.size)?;
         let extent = Extent { size: plan.size.map(|side| side as f32), curves: plan.curves.len() as u32, padding: 0 };
         let buffers = [
             device.storage("mask curves", bytemuck::cast_slice(&plan.curves))?,
             device.storage("control points of masks", bytemuck::cast_slice(&plan.control))?,
             device.buffer("the atlas's extent", BufferUsages::UNIFORM, bytemuck::bytes_of(&extent))?,
         ];
-        let encoder = device.guarded(DRAWING, || {
-            let group = device.group("masks", &self.layout, whole(&buffers));
-            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("masks"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &atlas.view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                ..Default::default()
-            });
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.draw(0..3 * plan.chords(), 0..1);
-            drop(pass);
-            encoder
-        })?;
-        let submitted = device.submit(DRAWING, encoder)?;
-        device.wait(DRAWING, Some(submitted))?;
+        atlas.paint(device, &self.pipeline, (&self.layout, &buffers), 3 * plan.chords())?;
         Ok(atlas)
     }
 }
@@ -108,6 +84,34 @@ pub struct MaskAtlas {
 }
 
 impl MaskAtlas {
+    /// Masks as the CPU drew them.
+    ///
+    /// # Errors
+    /// As [`MaskPainter::draw`].
+    pub fn of(device: &Device, masks: &Masks) -> Result<Self, GpuError> {
+        let atlas = Self::blank(device, masks.plan.size)?;
+        let mut texels = masks.texels.clone();
+        texels.resize(texels.len().next_multiple_of(size_of::<u32>()), 0);
+        let buffers = [
+            device.storage("texels of masks", &texels)?,
+            device.buffer("the atlas's width", BufferUsages::UNIFORM, bytemuck::bytes_of(&masks.plan.size[0]))?,
+        ];
+        let (pipeline, layout) = device.guarded("compiling a pipeline", || {
+            let layout = device.group_layout("texels", ShaderStages::FRAGMENT, (0..).zip([READ, UNIFORM]));
+            let pipeline = device.coverage_pipeline(Painter {
+                label: "texels",
+                source: wgsl::ENTRY_TEXELS,
+                entries: ["all_over", "texel"],
+                constants: &[],
+                layout: &device.pipeline_layout("texels", &[Some(&layout)]),
+                blend: None,
+            });
+            (pipeline, layout)
+        })?;
+        atlas.paint(device, &pipeline, (&layout, &buffers), 3)?;
+        Ok(atlas)
+    }
+
     /// The texels, row-major; 255 is material.
     ///
     /// # Errors
@@ -116,10 +120,49 @@ impl MaskAtlas {
         device.texels(READING, &self.texture)
     }
 
-    fn blank(device: &Device, size: [u32; 2]) -> Self {
-        let texture = device.coverage_target("masks", size, TextureUsages::TEXTURE_BINDING);
-        let view = texture.create_view(&Default::default());
-        Self { texture, view }
+    fn blank(device: &Device, size: [u32; 2]) -> Result<Self, GpuError> {
+        let side = u64::from(size[0].max(size[1]));
+        let limit = u64::from(device.limits.max_texture_dimension_2d);
+        device.fits("the atlas of masks", "max_texture_dimension_2d", side, limit)?;
+        device.guarded(DRAWING, || {
+            let texture = device.coverage_target("masks", size, TextureUsages::TEXTURE_BINDING);
+            let view = texture.create_view(&Default::default());
+            Self { texture, view }
+        })
+    }
+
+    /// Draws triangles of so many vertices on nothing, and waits until that is done.
+    fn paint(
+        &self,
+        device: &Device,
+        pipeline: &wgpu::RenderPipeline,
+        (layout, buffers): (&wgpu::BindGroupLayout, &[wgpu::Buffer]),
+        vertices: u32,
+    ) -> Result<(), GpuError> {
+        let encoder = device.guarded(DRAWING, || {
+            let group = device.group("masks", layout, whole(buffers));
+            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("masks"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &self.view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..vertices, 0..1);
+            drop(pass);
+            encoder
+        })?;
+        let submitted = device.submit(DRAWING, encoder)?;
+        device.wait(DRAWING, Some(submitted))
     }
 }
 

@@ -87,7 +87,7 @@ fn answers(
     }
     let variant = Variant { parts: PROBE, program, curvature: true, vertex_normals: false, trims: TrimMethod::Curves };
     let module = device.module(program, wgsl::source(variant))?;
-    let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, MaskBlend::default())?;
+    let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, Some(MaskBlend::default()))?;
     let (pipeline_layout, layout) = device.guarded(PROBING, || {
         let layout = device.group_layout("probe", ShaderStages::COMPUTE, (0..).zip([READ, WRITE]));
         (device.pipeline_layout("probe", &[Some(&buffers.layouts.scene), Some(&layout)]), layout)

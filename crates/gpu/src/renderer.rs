@@ -92,7 +92,9 @@ impl<'a> Renderer<'a> {
         options: RendererOptions<'_>,
     ) -> Result<Self, GpuError> {
         let RendererOptions { curvature, vertex_normals, overrides } = options;
-        let buffers = SceneBuffers::new(device, scene, drawn.stages(), overrides.mask)?;
+        // Strict programs take no coverage from an adapter.
+        let blend = (!drawn.is_strict()).then_some(overrides.mask);
+        let buffers = SceneBuffers::new(device, scene, drawn.stages(), blend)?;
         let pass = drawn.pass(device, &buffers, overrides.depth)?;
         let mut modules = HashMap::new();
         for &program in scene.programs() {

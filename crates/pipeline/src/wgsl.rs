@@ -34,6 +34,9 @@ const NO_EDGE: Part =
 /// What draws masks; a program of its own.
 pub const ENTRY_MASK: &str = include_str!("../../../shaders/entry_mask.wgsl");
 
+/// What takes masks over as the CPU drew them; a program of its own.
+pub const ENTRY_TEXELS: &str = include_str!("../../../shaders/entry_texels.wgsl");
+
 /// The parts that every technique may use.
 pub const COMMON: &[Part] = &[
     Part { file: "layout.wgsl", text: include_str!("../../../shaders/layout.wgsl") },

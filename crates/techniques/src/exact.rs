@@ -12,11 +12,13 @@ pub mod place;
 mod record;
 pub mod together;
 
+pub use gpu::Strict;
 pub use hulls::Hulls;
 pub use record::PieceRecord;
 
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
+use ::gpu::Drawable;
 use compare::Claims;
 use pipeline::wgsl::Part;
 use raster::Drawing;
@@ -54,6 +56,10 @@ impl Technique for Exact {
 impl Prepared for Hulls {
     fn triangles(&self) -> usize {
         self.mesh.triangles()
+    }
+
+    fn strict(&self) -> Option<Box<dyn Drawable>> {
+        Some(Box::new(Strict(self.clone())))
     }
 
     fn visibility<'a>(&'a self, drawing: Drawing<'a>) -> Box<dyn Visibility + 'a> {

@@ -9,6 +9,7 @@ pub mod fragment;
 pub mod grid;
 mod limits;
 mod resolve;
+mod subnormals;
 mod technique;
 mod triangles;
 pub mod zones;

@@ -90,6 +90,12 @@ pub trait Prepared: Drawable {
         None
     }
 
+    /// The same by programs with the CPU rasterizer's bits in all that a G-buffer holds, on every adapter; `None` for a technique whose
+    /// triangles [`ByCompute::strict`](crate::ByCompute::strict) draws.
+    fn strict(&self) -> Option<Box<dyn Drawable>> {
+        None
+    }
+
     /// For each face and each of its Bézier pieces, row-major in u, the greatest distance in model units from a point of a
     /// flat triangle to S at its parameters; empty where no flat triangle is shown.
     fn chord(&self) -> &[Vec<f64>] {

@@ -4,8 +4,8 @@ use super::calls::Calls;
 use naga::proc::Emitter;
 use naga::valid::FunctionInfo;
 use naga::{
-    BinaryOperator, Block, Expression, Function, Handle, MathFunction, Module, Scalar, ScalarKind, Span, Statement,
-    SwitchCase, Type, TypeInner, UnaryOperator, VectorSize,
+    AtomicFunction, BinaryOperator, Block, Expression, Function, Handle, MathFunction, Module, Scalar, ScalarKind,
+    Span, Statement, SwitchCase, Type, TypeInner, UnaryOperator, VectorSize,
 };
 
 type Value = Handle<Expression>;
@@ -124,7 +124,10 @@ impl Writer<'_> {
             },
             Statement::Atomic { pointer, fun, value, result } => Statement::Atomic {
                 pointer: self.value(*pointer)?,
-                fun: *fun,
+                fun: match *fun {
+                    AtomicFunction::Exchange { compare } => AtomicFunction::Exchange { compare: self.maybe(compare)? },
+                    fun => fun,
+                },
                 value: self.value(*value)?,
                 result: result.map(|result| self.result(result)),
             },
@@ -201,13 +204,18 @@ impl Writer<'_> {
                     return self.binary(op, (a, of_a), (b, of_b), block);
                 }
             }
-            (Expression::Math { arg, .. }, &Expression::Math { fun, arg: a, arg1, arg2, .. }) => {
-                if let Some(shape) = self.floats(*arg) {
-                    let arguments: Vec<Value> = [Some(a), arg1, arg2].into_iter().flatten().collect();
-                    if let Some(made) = self.math(fun, &arguments, shape, block)? {
-                        return Ok(made);
-                    }
-                }
+            (
+                Expression::Math { arg, arg1: of_1, arg2: of_2, .. },
+                &Expression::Math { fun, arg: a, arg1, arg2, .. },
+            ) => {
+                // A number may stand beside vectors.
+                let shape = |of: Option<Value>| of.and_then(|of| self.floats(of));
+                let operands = [(Some(a), shape(Some(*arg))), (arg1, shape(*of_1)), (arg2, shape(*of_2))];
+                let operands: Vec<_> = operands.into_iter().filter_map(|(value, shape)| value.zip(shape)).collect();
+                return match self.math(fun, &operands, block)? {
+                    Some(made) => Ok(made),
+                    None => Ok(self.append(copied, block)),
+                };
             }
             _ => {}
         }
@@ -240,16 +248,17 @@ impl Writer<'_> {
         self.each(operation, &operands, kind, block)
     }
 
-    /// A function of floats; `None` where it is exact on every adapter.
+    /// A function of floats; `None` where it has none, or is exact on every adapter.
     fn math(
         &mut self,
         fun: MathFunction,
-        arguments: &[Value],
-        shape: Shape,
+        operands: &[(Value, Shape)],
         block: &mut Block,
     ) -> Result<Option<Value>, String> {
         use MathFunction::{Abs, Ceil, Clamp, Cross, Dot, Floor, Max, Min, Mix, Round, Sqrt, Transpose};
-        let operands: Vec<_> = arguments.iter().map(|&argument| (argument, shape)).collect();
+        if operands.is_empty() {
+            return Ok(None);
+        }
         let operation = match fun {
             Abs => "ieee_magnitude",
             Min => "ieee_least",
@@ -257,22 +266,22 @@ impl Writer<'_> {
             Clamp => "ieee_clamped",
             Sqrt => "ieee_root",
             Floor | Ceil | Round | Transpose => return Ok(None),
-            Dot => return self.dot(arguments[0], arguments[1], shape, block).map(Some),
-            Cross => return self.cross(arguments[0], arguments[1], block).map(Some),
+            Dot => return self.dot(operands[0], operands[1].0, block).map(Some),
+            Cross => return self.cross(operands[0].0, operands[1].0, block).map(Some),
             Mix => {
                 // x + (y − x) z, as the twin has it.
                 let [x, y, z] = [operands[0], operands[1], operands[2]];
                 let way = self.each("ieee_difference", &[y, x], ScalarKind::Float, block)?;
-                let part = self.each("ieee_product", &[(way, shape), z], ScalarKind::Float, block)?;
-                return self.each("ieee_sum", &[x, (part, shape)], ScalarKind::Float, block).map(Some);
+                let part = self.each("ieee_product", &[(way, x.1), z], ScalarKind::Float, block)?;
+                return self.each("ieee_sum", &[x, (part, x.1)], ScalarKind::Float, block).map(Some);
             }
             other => return Err(format!("no strict form of {other:?}")),
         };
-        self.each(operation, &operands, ScalarKind::Float, block).map(Some)
+        self.each(operation, operands, ScalarKind::Float, block).map(Some)
     }
 
     /// The scalar product, summed from the first component on.
-    fn dot(&mut self, a: Value, b: Value, shape: Shape, block: &mut Block) -> Result<Value, String> {
+    fn dot(&mut self, (a, shape): (Value, Shape), b: Value, block: &mut Block) -> Result<Value, String> {
         let mut sum = None;
         for i in 0..lanes(shape) {
             let (x, y) = (self.component(a, shape, i, block), self.component(b, shape, i, block));

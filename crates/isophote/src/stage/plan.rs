@@ -3,6 +3,7 @@
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use compare::UNBOUNDED_SHARE;
+use gpu::Drawable;
 use pipeline::mask::{MaskPlan, Masks, Trimming};
 use pipeline::{PackedScene, Scheme};
 use scene::{Camera, Model, Viewport};
@@ -64,20 +65,15 @@ impl Default for Plan {
 }
 
 impl Path {
-    /// What kernels draw of what is prepared of a scene; `None` where no kernels are asked for, or it has no triangles.
-    pub fn by_compute(self, device: &gpu::Device, prepared: &Arc<dyn Prepared>) -> Option<ByCompute> {
-        self.atomics(device).and_then(|atomics| match self {
-            Path::Strict => ByCompute::strict(prepared.clone()),
-            _ => ByCompute::new(prepared.clone(), atomics),
-        })
-    }
-
-    /// What the kernels use; `None` where no kernels are asked for.
-    fn atomics(self, device: &gpu::Device) -> Option<gpu::Atomics> {
+    /// What is drawn in place of what is prepared of a scene; `None` where that itself is, or it has no triangles for kernels.
+    pub fn drawn(self, device: &gpu::Device, prepared: &Arc<dyn Prepared>) -> Option<Box<dyn Drawable>> {
+        let by_kernels = |drawn: ByCompute| -> Box<dyn Drawable> { Box::new(drawn) };
+        let with = |atomics| ByCompute::new(prepared.clone(), atomics).map(by_kernels);
         match self {
             Path::Fragment => None,
-            Path::Compute => Some(device.atomics()),
-            Path::Compute32 | Path::Strict => Some(gpu::Atomics::Bits32),
+            Path::Compute => with(device.atomics()),
+            Path::Compute32 => with(gpu::Atomics::Bits32),
+            Path::Strict => ByCompute::strict(prepared.clone()).map(by_kernels).or_else(|| prepared.strict()),
         }
     }
 
@@ -92,8 +88,8 @@ impl Path {
         prepared: &Arc<dyn Prepared>,
         options: gpu::RendererOptions<'_>,
     ) -> Result<gpu::Renderer<'a>, gpu::GpuError> {
-        match self.by_compute(device, prepared) {
-            Some(drawn) => gpu::Renderer::new(device, scene, &drawn, options),
+        match self.drawn(device, prepared) {
+            Some(drawn) => gpu::Renderer::new(device, scene, &*drawn, options),
             None => gpu::Renderer::new(device, scene, &**prepared, options),
         }
     }
@@ -112,11 +108,11 @@ impl Plan {
         viewport: Viewport,
     ) -> Result<Arc<dyn Prepared>> {
         let prepared = self.technique.prepare(&self.setting(model, scene, camera, viewport))?;
-        if self.path != Path::Fragment && prepared.mesh().is_none() {
+        if matches!(self.path, Path::Compute | Path::Compute32) && prepared.mesh().is_none() {
             bail!("technique {} draws no triangles, so there are none for --path compute", self.technique.name())
         }
-        if self.path == Path::Strict && (scene.masks().is_some() || self.vertex_normals) {
-            bail!("--path strict covers trims by curves and the surface's own normals: no masks and no vertex normals");
+        if self.path == Path::Strict && self.vertex_normals {
+            bail!("--path strict covers the surface's own normals, not those of --normals vertex");
         }
         if self.vertex_normals && prepared.cells().is_empty() {
             bail!(

@@ -9,7 +9,7 @@ use pipeline::PackedScene;
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Viewport};
 use std::sync::Arc;
-use techniques::{ByCompute, Prepared};
+use techniques::Prepared;
 
 /// What is to be drawn, and how.
 #[derive(Clone, Copy)]
@@ -43,21 +43,21 @@ struct Held<'d> {
     renderer: Option<gpu::Renderer<'d>>,
 }
 
-/// What a technique draws, and what kernels draw in its place.
+/// What a technique draws, and what is drawn in its place by the path that was asked for.
 struct Drawn {
     prepared: Arc<dyn Prepared>,
-    by_compute: Option<ByCompute>,
+    by_path: Option<Box<dyn Drawable>>,
 }
 
 impl Drawn {
     fn new(plan: &Plan, device: Option<&gpu::Device>, prepared: Arc<dyn Prepared>) -> Self {
-        let by_compute = device.and_then(|device| plan.path.by_compute(device, &prepared));
-        Self { prepared, by_compute }
+        let by_path = device.and_then(|device| plan.path.drawn(device, &prepared));
+        Self { prepared, by_path }
     }
 
     fn drawable(&self) -> &dyn Drawable {
-        match &self.by_compute {
-            Some(by_compute) => by_compute,
+        match &self.by_path {
+            Some(by_path) => &**by_path,
             None => &*self.prepared,
         }
     }

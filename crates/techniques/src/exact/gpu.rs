@@ -5,27 +5,35 @@ mod picture;
 use self::picture::{Picture, Range, Shared};
 use super::hulls::{CORNERS, Hulls, INDICES};
 use crate::resolve;
+use crate::subnormals::{Lacking, Subnormals};
+use crate::triangles::compute::STRICT;
 use bytemuck::{Pod, Zeroable};
-use gpu::groups::{PART_STRIDE, READ, UNIFORM_AT, WRITE, workgroups};
+use gpu::groups::{PART_STRIDE, READ, UNIFORM, UNIFORM_AT, WRITE, workgroups};
 use gpu::{DepthOrder, Device, Drawable, Frame, GpuError, Modules, Output, Pass, Room, SceneBuffers, Stamps, Targets};
 use pipeline::Program;
 use pipeline::wgsl::Part;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use wgpu::{ShaderStages, TextureUsages};
+use wgpu::{BufferUsages, ShaderStages, TextureUsages};
 
 /// The technique's name.
 pub(super) const NAME: &str = "exact";
 
 /// Kernels `bound_hulls`, `meet_small`, `meet_large`, `choose`, `resolve_gbuffer` and `resolve_shaded`, and the search.
-pub(super) const PARTS: &[Part] = &[
-    Part { file: "exact/entry.wgsl", text: include_str!("../../../../shaders/exact/entry.wgsl") },
-    resolve::PART,
-    Part { file: "exact/newton.wgsl", text: include_str!("../../../../shaders/exact/newton.wgsl") },
-    Part { file: "exact/fold.wgsl", text: include_str!("../../../../shaders/exact/fold.wgsl") },
-    Part { file: "exact/place.wgsl", text: include_str!("../../../../shaders/exact/place.wgsl") },
-];
+pub(super) const PARTS: &[Part] = &[ENTRY, resolve::PART, NEWTON, FOLD, PLACE];
+
+/// The same, and what strict programs have beside it; the first uses the entry points.
+const PARTS_STRICT: &[Part] = &[SUBNORMAL, ENTRY, resolve::PART, NEWTON, FOLD, PLACE, STRICT];
+
+const ENTRY: Part = Part { file: "exact/entry.wgsl", text: include_str!("../../../../shaders/exact/entry.wgsl") };
+const NEWTON: Part = Part { file: "exact/newton.wgsl", text: include_str!("../../../../shaders/exact/newton.wgsl") };
+const FOLD: Part = Part { file: "exact/fold.wgsl", text: include_str!("../../../../shaders/exact/fold.wgsl") };
+const PLACE: Part = Part { file: "exact/place.wgsl", text: include_str!("../../../../shaders/exact/place.wgsl") };
+
+/// How a strict program raises a subnormal number.
+const SUBNORMAL: Part =
+    Part { file: "exact/subnormal.wgsl", text: include_str!("../../../../shaders/exact/subnormal.wgsl") };
 
 /// Threads of a workgroup, and those of a small hull, in `shaders/exact/entry.wgsl`.
 const WORKGROUP: u32 = 64;
@@ -33,6 +41,9 @@ const LANES: u32 = 8;
 
 /// Workgroups of the kernels whose threads share work of unknown size: enough to fill the largest chips.
 const SHARING: u32 = 16_384;
+
+/// Meetings that `shaders/exact/subnormal.wgsl` counts where it met a subnormal number.
+const ENDLESS: u64 = u32::MAX as u64;
 
 /// `Hull` in `shaders/exact/entry.wgsl`; all but the corners is written by the device.
 #[repr(C)]
@@ -79,27 +90,40 @@ impl Drawable for Hulls {
     }
 
     fn pass(&self, device: &Device, scene: &SceneBuffers, depth: DepthOrder) -> Result<Box<dyn Pass>, GpuError> {
-        let (pieces, hulls) = upload(device, self)?;
-        let (layout, search_layout, resolve_layouts) = device.guarded("setting up", || {
-            let layout = device.group_layout("pieces", ShaderStages::COMPUTE, shared_bindings());
-            let search_layout = device.pipeline_layout("exact", &[Some(&scene.layouts.scene), Some(&layout)]);
-            let resolve_layouts = resolve::layouts(device, "exact", [&scene.layouts.scene, &layout]);
-            (layout, search_layout, resolve_layouts)
-        })?;
-        Ok(Box::new(Search {
-            depth,
-            shared: Shared { pieces, hulls, ranges: ranges(self), layout },
-            search_layout,
-            resolve_layouts,
-            pipelines: HashMap::new(),
-            capacity: Arc::new(AtomicU64::new(0)),
-        }))
+        Ok(Box::new(Search::new(device, scene, depth, self, None)?))
+    }
+}
+
+/// Hulls that strict programs search: each number of a G-buffer has the CPU rasterizer's bits, on every adapter.
+pub struct Strict(pub Hulls);
+
+impl Drawable for Strict {
+    fn technique(&self) -> &'static str {
+        NAME
+    }
+
+    fn parts(&self) -> &'static [Part] {
+        PARTS_STRICT
+    }
+
+    fn is_strict(&self) -> bool {
+        true
+    }
+
+    fn stages(&self) -> ShaderStages {
+        ShaderStages::COMPUTE
+    }
+
+    fn pass(&self, device: &Device, scene: &SceneBuffers, depth: DepthOrder) -> Result<Box<dyn Pass>, GpuError> {
+        Ok(Box::new(Search::new(device, scene, depth, &self.0, Some(Subnormals::default()))?))
     }
 }
 
 /// The pieces on the device, and what finds them in pixels.
 struct Search {
     depth: DepthOrder,
+    /// Of strict kernels.
+    subnormals: Option<Subnormals>,
     shared: Shared,
     /// Of the kernels that write no target.
     search_layout: wgpu::PipelineLayout,
@@ -112,6 +136,40 @@ struct Search {
 }
 
 impl Search {
+    fn new(
+        device: &Device,
+        scene: &SceneBuffers,
+        depth: DepthOrder,
+        drawn: &Hulls,
+        subnormals: Option<Subnormals>,
+    ) -> Result<Self, GpuError> {
+        let (pieces, hulls) = upload(device, drawn)?;
+        let zeros = device.buffer("zeros", BufferUsages::UNIFORM, &[])?;
+        let (layout, search_layout, resolve_layouts) = device.guarded("setting up", || {
+            let layout = device.group_layout("pieces", ShaderStages::COMPUTE, shared_bindings());
+            let search_layout = device.pipeline_layout("exact", &[Some(&scene.layouts.scene), Some(&layout)]);
+            let resolve_layouts = resolve::layouts(device, "exact", [&scene.layouts.scene, &layout]);
+            (layout, search_layout, resolve_layouts)
+        })?;
+        Ok(Self {
+            depth,
+            subnormals,
+            shared: Shared { pieces, hulls, zeros, ranges: ranges(drawn), layout },
+            search_layout,
+            resolve_layouts,
+            pipelines: HashMap::new(),
+            capacity: Arc::new(AtomicU64::new(0)),
+        })
+    }
+
+    /// What is drawn, by either kind of program.
+    fn hulls<'d>(&self, drawn: &'d dyn Drawable) -> Result<&'d Hulls, GpuError> {
+        match self.subnormals {
+            None => drawn.of::<Hulls>(NAME),
+            Some(_) => drawn.of::<Strict>(NAME).map(|strict| &strict.0),
+        }
+    }
+
     fn pipeline(
         &self,
         device: &Device,
@@ -124,7 +182,9 @@ impl Search {
             _ => &self.search_layout,
         };
         let farthest = f64::from(u8::from(self.depth == DepthOrder::Farthest));
-        device.kernel(layout, (program, module), kernel.entry(), &[("FARTHEST", farthest)])
+        let mut constants = vec![("FARTHEST", farthest)];
+        constants.extend(self.subnormals.iter().flat_map(Subnormals::constants));
+        device.kernel(layout, (program, module), kernel.entry(), &constants)
     }
 }
 
@@ -139,6 +199,9 @@ impl Pass for Search {
     }
 
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
+        if self.subnormals.as_mut().is_some_and(Subnormals::begin) {
+            self.pipelines.clear();
+        }
         let kernels =
             [Kernel::BoundHulls, Kernel::MeetSmall, Kernel::MeetLarge, Kernel::Choose, Kernel::Resolve(output)];
         for (&program, module) in modules {
@@ -156,11 +219,12 @@ impl Pass for Search {
         let layout = &self.resolve_layouts[&targets.output].0;
         let picture = Picture::new(device, &self.shared, self.capacity.load(Relaxed), targets, layout)?;
         let (ranges, pipelines) = (self.shared.ranges.clone(), self.pipelines.clone());
-        Ok(Box::new(Searched { ranges, pipelines, picture, capacity: self.capacity.clone() }))
+        let lacking = self.subnormals.as_ref().and_then(Subnormals::lacking);
+        Ok(Box::new(Searched { ranges, pipelines, picture, lacking, capacity: self.capacity.clone() }))
     }
 
     fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
-        let hulls = drawn.of::<Hulls>(NAME)?;
+        let hulls = self.hulls(drawn)?;
         (self.shared.pieces, self.shared.hulls) = upload(device, hulls)?;
         self.shared.ranges = ranges(hulls);
         Ok(())
@@ -168,7 +232,7 @@ impl Pass for Search {
 
     /// All of them where there are not as many.
     fn write_changes(&mut self, device: &Device, before: &dyn Drawable, after: &dyn Drawable) -> Result<u64, GpuError> {
-        let (before, after) = (before.of::<Hulls>(NAME)?, after.of::<Hulls>(NAME)?);
+        let (before, after) = (self.hulls(before)?, self.hulls(after)?);
         let [old, new] = [before, after].map(hull_records);
         if before.pieces.len() != after.pieces.len() || before.mesh.batches != after.mesh.batches {
             self.set(device, after)?;
@@ -191,6 +255,8 @@ struct Searched {
     ranges: Vec<Range>,
     pipelines: HashMap<(Program, Kernel), wgpu::ComputePipeline>,
     picture: Picture,
+    /// Of strict kernels that compute no subnormal numbers: where to say that there are any.
+    lacking: Option<Lacking>,
     capacity: Arc<AtomicU64>,
 }
 
@@ -249,6 +315,10 @@ impl Frame for Searched {
     }
 
     fn make_room(&self, device: &Device, needed: u64) -> Result<(), GpuError> {
+        if let Some(lacking) = self.lacking.as_ref().filter(|_| needed == ENDLESS) {
+            lacking.met();
+            return Ok(());
+        }
         // Which meetings are found to be hidden depends on the order of work, so their number does.
         self.capacity.store(picture::within_limits(device, needed, needed + needed / 2)?, Relaxed);
         Ok(())
@@ -294,9 +364,9 @@ fn hull_records(hulls: &Hulls) -> Vec<HullRecord> {
 }
 
 /// Pieces, hulls, picture, meetings, and the batch at hand: with the scene's four they are the eight storage buffers
-/// that WebGPU promises a stage.
+/// that WebGPU promises a stage. Then zeros, which strict programs read.
 fn shared_bindings() -> impl Iterator<Item = (u32, wgpu::BindingType)> {
-    (0..).zip([READ, WRITE, WRITE, WRITE, UNIFORM_AT])
+    (0..).zip([READ, WRITE, WRITE, WRITE, UNIFORM_AT, UNIFORM])
 }
 
 #[cfg(test)]

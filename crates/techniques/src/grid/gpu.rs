@@ -368,7 +368,7 @@ impl Generator {
         let (program, trims) = (scene.programs()[0], scene.trim_method());
         let variant = Variant { parts: PARTS, program, curvature: false, vertex_normals: false, trims };
         let modules = Modules::from([(program, device.module(program, source(variant))?)]);
-        let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, Default::default())?;
+        let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, None)?;
         let mut generator = Self::new(device, grids)?;
         generator.prepare(device, &buffers.layouts, &modules)?;
         Ok(generator)
@@ -377,7 +377,7 @@ impl Generator {
     /// What they choose in these views, with the room that they have.
     pub(super) fn choose(&self, device: &Device, scene: &PackedScene, views: &[View]) -> Result<Chosen, GpuError> {
         const CHOOSING: &str = "choosing levels";
-        let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, Default::default())?;
+        let buffers = SceneBuffers::new(device, scene, ShaderStages::COMPUTE, None)?;
         buffers.write_views(device, views)?;
         let encoder = device.guarded(CHOOSING, || {
             let mut encoder = device.wgpu.create_command_encoder(&Default::default());

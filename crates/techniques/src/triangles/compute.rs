@@ -2,6 +2,7 @@
 //! nearest triangle have the CPU rasterizer's bits on every adapter.
 
 use crate::resolve;
+use crate::subnormals::{Lacking, Subnormals};
 use crate::technique::Prepared;
 use crate::triangles::SAMPLE;
 use bytemuck::{Pod, Zeroable};
@@ -13,7 +14,6 @@ use pipeline::wgsl::Part;
 use pipeline::{Mesh, Program, Vertex};
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use wgpu::{BufferUsages, ShaderStages, TextureUsages};
 
 /// The kernels, whatever the atomics.
@@ -285,16 +285,6 @@ impl Fed {
     }
 }
 
-/// Subnormal numbers take much code, which an adapter may compile for minutes. So strict kernels go without it until a frame
-/// has any.
-#[derive(Default)]
-struct Subnormals {
-    /// Whether the pipelines that are there compute them.
-    are_computed: bool,
-    /// Whether a frame had any.
-    are_met: Arc<AtomicBool>,
-}
-
 /// The pass.
 struct Kernels {
     technique: &'static str,
@@ -326,9 +316,7 @@ impl Kernels {
             _ => &self.cover_layout,
         };
         let mut constants = vec![("FARTHEST", f64::from(u8::from(self.depth == DepthOrder::Farthest)))];
-        if let Some(subnormals) = &self.subnormals {
-            constants.extend(gpu::strict_constants(subnormals.are_computed));
-        }
+        constants.extend(self.subnormals.iter().flat_map(Subnormals::constants));
         device.kernel(layout, (program, module), kernel.entry(), &constants)
     }
 }
@@ -343,8 +331,7 @@ impl Pass for Kernels {
     }
 
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
-        if let Some(subnormals) = self.subnormals.as_mut().filter(|of| !of.are_computed && of.are_met.load(Relaxed)) {
-            subnormals.are_computed = true;
+        if self.subnormals.as_mut().is_some_and(Subnormals::begin) {
             self.pipelines.clear();
         }
         let is_run = |kernel: &Kernel| self.is_trimmed || !kernel.is_answer();
@@ -380,8 +367,8 @@ impl Pass for Kernels {
             (group, resolve::group(device, &self.resolve_layouts[&targets.output].0, targets))
         })?;
         let (fed, pipelines) = (self.fed.clone(), self.pipelines.clone());
-        let lacks_subnormals = self.subnormals.as_ref().filter(|of| !of.are_computed).map(|of| of.are_met.clone());
-        Ok(Box::new(Covered { fed, pipelines, seen, queue, asks: room > 0, lacks_subnormals, group, targets }))
+        let lacking = self.subnormals.as_ref().and_then(Subnormals::lacking);
+        Ok(Box::new(Covered { fed, pipelines, seen, queue, asks: room > 0, lacking, group, targets }))
     }
 
     fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
@@ -407,7 +394,7 @@ struct Covered {
     /// Whether there are questions.
     asks: bool,
     /// Of strict kernels that compute no subnormal numbers: where to say that there are any.
-    lacks_subnormals: Option<Arc<AtomicBool>>,
+    lacking: Option<Lacking>,
     group: wgpu::BindGroup,
     targets: wgpu::BindGroup,
 }
@@ -509,12 +496,12 @@ impl Frame for Covered {
     /// For no subnormal number, where none is computed.
     fn room(&self) -> Option<Room<'_>> {
         let during = "looking for subnormal numbers";
-        self.lacks_subnormals.is_some().then_some(Room { during, buffer: &self.queue, offset: 0, capacity: 0 })
+        self.lacking.is_some().then_some(Room { during, buffer: &self.queue, offset: 0, capacity: 0 })
     }
 
     fn make_room(&self, _device: &Device, _needed: u64) -> Result<(), GpuError> {
-        if let Some(are_met) = &self.lacks_subnormals {
-            are_met.store(true, Relaxed);
+        if let Some(lacking) = &self.lacking {
+            lacking.met();
         }
         Ok(())
     }

@@ -54,6 +54,8 @@ pub struct Shared {
     pub pieces: wgpu::Buffer,
     /// Their hulls.
     pub hulls: wgpu::Buffer,
+    /// Zeros that no compiler sees.
+    pub zeros: wgpu::Buffer,
     /// The pieces of each program.
     pub ranges: Vec<Range>,
     /// Of group 1 of every kernel.
@@ -111,7 +113,8 @@ impl Picture {
         let (group, targets) = device.guarded("setting up", || {
             let buffers = whole([&shared.pieces, &shared.hulls, &words, &meetings]);
             let batch = part(&batches, PART_STRIDE as u64);
-            let group = device.group("pieces", &shared.layout, buffers.chain([(4, batch)]));
+            let resources = buffers.chain([(4, batch), (5, shared.zeros.as_entire_binding())]);
+            let group = device.group("pieces", &shared.layout, resources);
             (group, resolve::group(device, layout, targets))
         })?;
         Ok(Self { group, targets, words, capacity, viewport })
