@@ -48,7 +48,7 @@ fn failures(suite: Suite) -> Vec<String> {
 }
 
 #[test]
-fn every_picture_that_is_seen_to_be_wrong_differs_on_the_smoke_suite() {
-    let failures = failures(Suite::Smoke);
+fn every_picture_that_is_seen_to_be_wrong_differs_on_the_standard_suite() {
+    let failures = failures(Suite::Standard);
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
