@@ -188,8 +188,13 @@ impl<'a> Lists<'a> {
             Some(unread) => self.unread.set(unread),
             None => return Err(Fault { at: raw.at, text: "trims repeat curves too often".into() }),
         }
-        let edge = usize::try_from(raw.edge).ok().and_then(|index| self.edges.get(index));
-        let vertex = usize::try_from(raw.first_vertex).ok().and_then(|index| self.vertices.get(index));
+        if !raw.range.iter().all(|t| t.is_finite()) {
+            return Err(Fault { at: raw.at, text: format!("it runs from {} to {}", raw.range[0], raw.range[1]) });
+        }
+        // Below 0 is none, as at a pole.
+        let named = |index: i32| (0 <= index).then_some(index);
+        let edge = named(raw.edge).map(|index| entry(&self.edges, index, "edge", raw.at)).transpose()?;
+        let vertex = named(raw.first_vertex).map(|index| entry(&self.vertices, index, "vertex", raw.at)).transpose()?;
         let (first, mut off) = (trims.len(), 0.0);
         for piece in pieces(curve)? {
             let Some(part) = part(&piece, raw.range).map_err(unfit(raw.at))? else { continue };

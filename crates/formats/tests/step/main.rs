@@ -19,6 +19,7 @@ mod oracle;
 mod replicas;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;
+mod silence;
 mod solids;
 mod support;
 #[path = "../formats/table.rs"]
