@@ -158,7 +158,9 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
 }
 
 fn place(instances: &Instances, number: u64) -> Place {
-    let keyword = scene::escaped(instances.keyword(number));
+    let first = || instances.get(number).map_or("", |entity| entity.keyword());
+    let keyword = Some(instances.keyword(number)).filter(|keyword| !keyword.is_empty()).unwrap_or_else(first);
+    let keyword = scene::escaped(keyword);
     Place::Entity { number, line: instances.line(number), keyword }
 }
 
