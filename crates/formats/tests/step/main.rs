@@ -16,6 +16,7 @@ mod offsets;
 #[path = "../formats/opencascade.rs"]
 mod opencascade;
 mod oracle;
+mod rectangles;
 mod replicas;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;
