@@ -112,6 +112,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     let mut gathered = Gathered::new(bytes.len());
     let mut faults = std::mem::take(&mut assembly.faults);
     let mut levels = Levels::new(&entities);
+    let mut colours: BTreeMap<u32, String> = BTreeMap::new();
     let mut remarks: BTreeMap<u32, String> = BTreeMap::new();
     for placed in &assembly.placed {
         if gathered.is_full() {
@@ -122,7 +123,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
             Ok(Own { made, motion, remark }) => {
                 remarks.extend(remark.map(|remark| (placed.number, remark)));
                 let at = (&placed.motion.after(&motion), placed.reversed);
-                let attributes = looks::looks(&entities, placed, &mut levels);
+                let attributes = looks::looks(&entities, placed, &mut levels, &mut colours);
                 if let Err(cause) = gathered.add(u64::from(placed.number), made, at, placed.instance, attributes) {
                     faults.push(fault(placed.number, cause.to_string()));
                 }
@@ -137,6 +138,7 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         damage.into_iter().map(|(line, why)| note(NoteKind::Healed, Place::Line(line), why)).collect();
     let left_out = |fault: &Fault| note(NoteKind::LeftOut, place(fault.number), format!("left out: {}", fault.why));
     notes.extend(faults.iter().map(left_out));
+    notes.extend(colours.into_iter().map(|(number, why)| note(NoteKind::Healed, place(number), why)));
     if let Some(first) = assembly.hidden.first() {
         let text = format!("left out: {} entities that the file hides, this one the first", assembly.hidden.len());
         notes.push(note(NoteKind::LeftOut, place(*first), text));

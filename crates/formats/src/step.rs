@@ -36,8 +36,8 @@ use assembly::{Assembly, Placed};
 use fault::{Fault, fault};
 use geometry::Geometry;
 use p21::Instances;
-use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::cell::{Cell, RefCell};
+use std::collections::{BTreeMap, BTreeSet};
 use structure::{RELATIONS, REPRESENTATIONS};
 use styles::STYLES;
 use units::Units;
@@ -90,8 +90,9 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
         notes.push(Note { kind: NoteKind::Healed, place: place(&instances, first), text });
     }
     let work = Cell::new(WORK + WORK_A_BYTE * bytes.len());
-    let effort = Effort::new(bytes.len());
-    let mut reader = Reader { instances: &instances, contexts: BTreeMap::new(), work: &work, effort: &effort };
+    let (effort, turned) = (Effort::new(bytes.len()), RefCell::default());
+    let mut reader =
+        Reader { instances: &instances, contexts: BTreeMap::new(), work: &work, effort: &effort, turned: &turned };
     let key = |placed: &Placed| (placed.number, placed.context);
     let mut made = Once::new(assembly.placed.iter().map(key));
     let mut gathered = Gathered::new(bytes.len());
@@ -118,7 +119,16 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
     let units = reader.units(assembly.context).clone();
     let contexts = std::mem::take(&mut reader.contexts);
     drop(reader);
-    notes.extend(contexts.values().flat_map(|units| &units.faults).map(|fault| Note {
+    if let Some(first) = turned.borrow().first() {
+        let text = format!(
+            "{} placements, this one the first, have a second direction that has no length, or is that of their axis: they are \
+             read as if they had none",
+            turned.borrow().len()
+        );
+        notes.push(Note { kind: NoteKind::Healed, place: place(&instances, *first), text });
+    }
+    let of_units = contexts.values().flat_map(|units| &units.faults);
+    notes.extend(of_units.chain(&assembly.healed).map(|fault| Note {
         kind: NoteKind::Healed,
         place: place(&instances, fault.number),
         text: fault.why.clone(),
@@ -148,7 +158,9 @@ fn read(bytes: &[u8], file: &str) -> Result<Document, FormatError> {
 }
 
 fn place(instances: &Instances, number: u64) -> Place {
-    let keyword = scene::escaped(instances.keyword(number));
+    let first = || instances.get(number).map_or("", |entity| entity.keyword());
+    let keyword = Some(instances.keyword(number)).filter(|keyword| !keyword.is_empty()).unwrap_or_else(first);
+    let keyword = scene::escaped(keyword);
     Place::Entity { number, line: instances.line(number), keyword }
 }
 
@@ -157,6 +169,7 @@ struct Reader<'f, 'b> {
     instances: &'f Instances<'b>,
     work: &'f Cell<usize>,
     effort: &'f Effort,
+    turned: &'f RefCell<BTreeSet<u64>>,
     contexts: BTreeMap<Option<u64>, Units>,
 }
 
@@ -167,11 +180,11 @@ impl Reader<'_, '_> {
 
     /// The face, in the coordinates of its representation.
     fn face(&mut self, placed: &Placed) -> Result<Made, Fault> {
-        let (instances, work, effort) = (self.instances, self.work, self.effort);
+        let (instances, work, effort, turned) = (self.instances, self.work, self.effort, self.turned);
         let units = self.units(placed.context);
         let off = Cell::new(Off::default());
         let geometry =
-            Geometry { instances, angle: units.angle, tolerance: units.uncertainty, off: &off, work, effort };
+            Geometry { instances, angle: units.angle, tolerance: units.uncertainty, off: &off, work, effort, turned };
         let is_face = matches!(instances.keyword(placed.number), "ADVANCED_FACE" | "FACE_SURFACE");
         let source = if is_face {
             topology::face(&geometry, placed.number)

@@ -1,14 +1,17 @@
 //! `continuity`: gap, angle and curvature along every edge that faces share, each with a proven bound.
 
+mod codes;
 mod html;
 mod picture;
 mod table;
 
+use self::codes::{CODES, Codes};
 use crate::view::ModelArgs;
 use crate::{number, output, terminal};
 use ::continuity::{Class, Limits, Report, Settings, Verdict, report};
 use anyhow::Result;
 use clap::Args;
+use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -86,6 +89,14 @@ enum PageFormat {
     Html,
 }
 
+/// The report, and the codes of what it judges.
+#[derive(Debug, Serialize)]
+struct Coded<'r> {
+    codes: Codes,
+    #[serde(flatten)]
+    report: &'r Report,
+}
+
 impl ContinuityArgs {
     /// The limits, in units of which each is so many millimetres.
     fn limits(&self, millimetres: f64) -> Limits {
@@ -118,14 +129,15 @@ pub fn run(args: &ContinuityArgs) -> Result<ExitCode> {
     if let (Some(path), Some(pictures)) = (&args.overlay, &pictures) {
         pictures.write_png(path)?;
     }
+    let coded = Coded { codes: CODES, report: &found };
     let text = match args.format {
         PageFormat::Table => table::text(&found),
-        PageFormat::Json => serde_json::to_string_pretty(&found)?,
+        PageFormat::Json => serde_json::to_string_pretty(&coded)?,
         PageFormat::Html => html::page(&found, pictures.as_ref().expect("a page has them"))?,
     };
     match (&args.out, args.format) {
         (Some(path), _) => output::write(path, (text + "\n").as_bytes())?,
-        (None, PageFormat::Json) => terminal::json_lines(&found)?,
+        (None, PageFormat::Json) => terminal::json_lines(&coded)?,
         (None, _) => terminal::styled(&text)?,
     }
     Ok(ExitCode::from(code(&found)))

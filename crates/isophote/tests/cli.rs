@@ -466,6 +466,13 @@ fn continuity_answers_with_its_exit_code_and_names_the_place() {
     let angle = edge["angle_deg"]["seen"].as_f64().expect("a number");
     assert!((angle - 0.05f64.atan().to_degrees()).abs() < 1e-9, "{angle}");
     assert_eq!(edge["angle_deg"]["at"]["position"][0], json!(1.0));
+    assert_eq!((&report["codes"]["gap"], &report["codes"]["free"]), (&json!("G-SH-LG"), &json!("G-SH-FR")));
+    let table = isophote(&["continuity", &bent]);
+    let table = String::from_utf8_lossy(&table.stdout);
+    assert!(
+        ["G-SH-LG", "G-SH-NT", "G-SH-NS", "free edges (G-SH-FR): 6"].iter().all(|code| table.contains(code)),
+        "{table}"
+    );
     let page = file("bent.html", "");
     let output = isophote(&["continuity", &bent, "--format", "html", "--out", page.to_str().expect("UTF-8")]);
     assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
@@ -475,6 +482,7 @@ fn continuity_answers_with_its_exit_code_and_names_the_place() {
         "no class: 1",
         "free: 6",
         "Signature",
+        "free edges (G-SH-FR): 6",
         report["hash"].as_str().expect("a hash"),
         "fail",
     ] {

@@ -14,17 +14,19 @@ pub(crate) struct Frame {
 impl Frame {
     /// The frame at `origin` whose z is along `axis` and whose x is `reference` without its part along z.
     ///
-    /// Where an axis is absent, or `reference` is along z, ISO 10303-42 names the one to take (`build_axes`,
-    /// `first_proj_axis`): z, and x or, where that is z, y. `None` where `axis` has no direction.
+    /// Where an axis is absent, ISO 10303-42 names the one to take (`build_axes`, `first_proj_axis`): z, and x or, where that
+    /// is z, y. A `reference` that is not [`across`](Self::across) z counts as absent. `None` where `axis` has no direction.
     pub fn new(origin: DVec3, axis: Option<DVec3>, reference: Option<DVec3>) -> Option<Self> {
         let z = axis.unwrap_or(DVec3::Z).try_normalize()?;
-        let across = |v: DVec3| {
-            v.try_normalize()
-                .and_then(|v| (v - z * v.dot(z)).try_normalize().filter(|_| v.cross(z).length() > PARALLEL))
-        };
+        let across = |v: DVec3| across(z, v);
         let x = reference.and_then(across).or_else(|| across(DVec3::X)).or_else(|| across(DVec3::Y))?;
         let frame = Self { origin, x, y: z.cross(x), z };
         (origin.is_finite() && frame.y.is_finite()).then_some(frame)
+    }
+
+    /// The part of a direction across z, of length 1; `None` where it has no length, or is along z.
+    pub fn across(&self, direction: DVec3) -> Option<DVec3> {
+        across(self.z, direction)
     }
 
     /// The point in space of coordinates in this frame.
@@ -43,6 +45,11 @@ impl Frame {
         let d = point - self.origin;
         DVec3::new(d.dot(self.x), d.dot(self.y), d.dot(self.z))
     }
+}
+
+fn across(z: DVec3, direction: DVec3) -> Option<DVec3> {
+    let direction = direction.try_normalize()?;
+    (direction - z * direction.dot(z)).try_normalize().filter(|_| direction.cross(z).length() > PARALLEL)
 }
 
 /// The sine of the angle below which two directions are one.

@@ -3,11 +3,11 @@
 use super::frame::Motion;
 use super::source::Made;
 use super::total::Total;
-use crate::document::{Attributes, Document, Note, Unit};
+use crate::document::{Attributes, Document, Note, NoteKind, Unit};
 use crate::error::{Cause, FormatError};
 use crate::format::file_name;
 use crate::place::Place;
-use nurbs::{NurbsError, Surface};
+use nurbs::{Hull, NurbsError, Surface};
 use scene::{Face, Model};
 use std::collections::BTreeMap;
 
@@ -15,6 +15,9 @@ use std::collections::BTreeMap;
 /// and one more for so many bytes of the file. A few bytes may place a large face again and again.
 const POINTS: usize = 1 << 22;
 const BYTES_A_POINT: usize = 4;
+
+/// A tolerance above this share of the model's size is told: it may hide what a face is.
+const COARSE: f64 = 0.01;
 
 /// Why a face is left out that is one too many.
 pub(crate) const TOO_MANY: &str = "it and all faces after it are more than are shown";
@@ -93,7 +96,16 @@ impl Gathered {
         mut notes: Vec<Note>,
         place: impl Fn(u64) -> Place,
     ) -> Result<Document, FormatError> {
-        notes.extend(self.total.notes(&place, unit.as_ref().map_or("model unit", |unit| &unit.name)));
+        let length = unit.as_ref().map_or("model unit", |unit| &unit.name);
+        notes.extend(self.total.notes(&place, length));
+        let tolerance = self.faces.iter().map(|(_, face)| face.tolerance).fold(0.0, f64::max);
+        let size = self.surfaces.iter().map(Surface::hull).reduce(Hull::union).map_or(0.0, |hull| hull.diagonal());
+        if COARSE * size < tolerance {
+            let text = format!(
+                "points up to {tolerance:.1e} {length} apart count as one, which is more than {COARSE} of the model's size, {size:.1e}"
+            );
+            notes.push(Note { kind: NoteKind::Approximated, place: Place::File, text });
+        }
         let model = Model::of_sound_faces(file_name(file), self.surfaces, self.faces, vec![])
             .map_err(|cause| FormatError::new(file, Place::File, Cause::Scene(cause)))?;
         notes.extend(model.notes().iter().map(|note| {

@@ -70,20 +70,21 @@ impl Assembly {
     pub fn new(geometry: &Geometry) -> Self {
         let entities = geometry.entities;
         let mut named = BTreeSet::new();
-        let mut groups = BTreeMap::new();
+        let (mut groups, mut faults) = (BTreeMap::new(), vec![]);
         for entry in entities.entries() {
-            // What cannot be read names nothing; where it is shown, its own fault is told.
-            match entry.kind {
-                402 => groups
-                    .extend(parts(geometry, entry).unwrap_or_default().into_iter().map(|part| (part, entry.number))),
-                _ => named.extend(parts(geometry, entry).unwrap_or_default()),
+            match (parts(geometry, entry), entry.kind) {
+                (Ok(parts), 402) => groups.extend(parts.into_iter().map(|part| (part, entry.number))),
+                (Ok(parts), _) => named.extend(parts),
+                // Of others that are shown their own reading tells.
+                (Err(fault), 308 | 402) => faults.push(fault),
+                (Err(_), _) => {}
             }
         }
         let most = FACES + FACES_AN_ENTITY * entities.entries().len();
         let mut walk = Walk {
             geometry,
             groups,
-            assembly: Self::default(),
+            assembly: Self { faults, ..Self::default() },
             path: vec![],
             body: None,
             entered: 0,

@@ -89,7 +89,10 @@ impl<'b> Entities<'b> {
                 None => {
                     wrong += 1;
                     if wrong <= TOLD {
-                        damage.push((first.line as usize, "a directory entry makes no sense".to_owned()));
+                        damage.push((
+                            first.line as usize,
+                            "a directory entry makes no sense, and is left out".to_owned(),
+                        ));
                     }
                 }
             }
@@ -152,28 +155,30 @@ fn entry(cards: &Cards, first: Card, second: Card) -> Option<Entry> {
         let start = (at * FIELD).min(text.len());
         text[start..text.len().min(start + FIELD)].to_vec()
     };
-    let number = |text: &[u8], at: usize| whole(&field(text, at)).unwrap_or(0);
-    let kind = u16::try_from(whole(&field(top, 0))?).ok()?;
-    // Eight digits in pairs: blank, subordinate, use, hierarchy; blanks for zeros.
-    let status = field(top, 8);
-    let pair = |at: usize| status.get(at..at + 2).and_then(whole).unwrap_or(0);
-    let signed = |text: &[u8], at: usize| {
-        std::str::from_utf8(field(text, at).trim_ascii()).ok().and_then(|text| text.parse::<i32>().ok())
+    // Blanks are a zero.
+    let signed = |text: &[u8]| match std::str::from_utf8(text.trim_ascii()).ok()? {
+        "" => Some(0),
+        text => text.parse::<i32>().ok(),
     };
-    let form = signed(bottom, 4).and_then(|form| i16::try_from(form).ok());
+    let number = |text: &[u8], at: usize| u32::try_from(signed(&field(text, at))?).ok();
+    let kind = u16::try_from(whole(&field(top, 0))?).ok()?;
+    // Eight digits in pairs: blank, subordinate, use, hierarchy.
+    let status = field(top, 8);
+    let pair = |at: usize| status.get(at..at + 2).map_or(Some(0), signed);
+    let form = i16::try_from(signed(&field(bottom, 4))?).ok()?;
     let mut label = [b' '; FIELD];
     field(bottom, 7).iter().zip(&mut label).for_each(|(byte, place)| *place = *byte);
     Some(Entry {
         number: first.number,
         kind,
-        form: form.unwrap_or(0),
+        form,
         line: first.line,
-        matrix: number(top, 6),
-        parameters: number(top, 1),
-        is_blanked: pair(0) == 1,
-        is_dependent: matches!(pair(2), 1 | 3),
-        colour: signed(bottom, 2).unwrap_or(0),
-        level: signed(top, 4).unwrap_or(0),
+        matrix: number(top, 6)?,
+        parameters: number(top, 1)?,
+        is_blanked: pair(0)? == 1,
+        is_dependent: matches!(pair(2)?, 1 | 3),
+        colour: signed(&field(bottom, 2))?,
+        level: signed(&field(top, 4))?,
         label,
     })
 }

@@ -53,10 +53,6 @@ impl Global {
         if values.len() <= RESOLUTION {
             damage.push((line, format!("the global section ends after parameter {}", values.len())));
         }
-        let number = |at: usize| match values.get(at) {
-            Some(Value::Number(number)) => Some(*number),
-            _ => None,
-        };
         let mut above_0 = |at: usize, what: &str, usual: f64| match values.get(at) {
             None | Some(Value::Absent) => usual,
             Some(Value::Number(number)) if 0.0 < *number && number.is_finite() => *number,
@@ -74,11 +70,24 @@ impl Global {
             _ => None,
         };
         // An empty field means inches; a section that ends before it says nothing.
-        let unit = (UNIT < values.len()).then(|| unit(number(UNIT), name.as_deref()));
-        if let Some(None) = unit {
+        let unit = match values.get(UNIT) {
+            None => None,
+            Some(Value::Absent) => unit(None, name.as_deref()),
+            Some(Value::Number(flag)) => unit(Some(*flag), name.as_deref()),
+            Some(_) => {
+                damage.push((line, "its unit flag is no number".to_owned()));
+                unit(Some(BY_NAME), name.as_deref())
+            }
+        };
+        if unit.is_none() && UNIT < values.len() {
             damage.push((line, "the global section names no known unit".to_owned()));
         }
-        let unit = unit.flatten().map(|(name, millimetres)| Unit {
+        if let (Some((own, _)), Some(name)) = (unit, name.as_deref())
+            && by_name(name).is_some_and(|(.., other, _)| *other != own)
+        {
+            damage.push((line, format!("its unit flag says {own}, and its unit's name is {name}: the flag counts")));
+        }
+        let unit = unit.map(|(name, millimetres)| Unit {
             name: if scale == 1.0 { name.to_owned() } else { format!("{name} at scale {scale}") },
             millimetres: millimetres / scale,
         });
@@ -86,29 +95,36 @@ impl Global {
     }
 }
 
+/// The unit flag of a unit that its name says.
+const BY_NAME: f64 = 3.0;
+
+/// Units by flag and by names, what they are called here, and how many millimetres they are.
+type Known = (u8, &'static [&'static str], &'static str, f64);
+const UNITS: [Known; 10] = [
+    (1, &["IN", "INCH"], "inch", 25.4),
+    (2, &["MM"], "millimetre", 1.0),
+    (4, &["FT"], "foot", 304.8),
+    (5, &["MI"], "mile", 1_609_344.0),
+    (6, &["M"], "metre", 1e3),
+    (7, &["KM"], "kilometre", 1e6),
+    (8, &["MIL"], "mil", 0.0254),
+    (9, &["UM"], "micron", 1e-3),
+    (10, &["CM"], "centimetre", 10.0),
+    (11, &["UIN"], "microinch", 2.54e-5),
+];
+
+fn by_name(name: &str) -> Option<&'static Known> {
+    let name = name.to_uppercase();
+    UNITS.iter().find(|(_, names, ..)| names.contains(&name.as_str()))
+}
+
 /// A unit by its flag, or by its name where the flag is 3; an absent flag means inches.
 fn unit(flag: Option<f64>, name: Option<&str>) -> Option<(&'static str, f64)> {
-    const UNITS: [(u8, &[&str], &str, f64); 10] = [
-        (1, &["IN", "INCH"], "inch", 25.4),
-        (2, &["MM"], "millimetre", 1.0),
-        (4, &["FT"], "foot", 304.8),
-        (5, &["MI"], "mile", 1_609_344.0),
-        (6, &["M"], "metre", 1e3),
-        (7, &["KM"], "kilometre", 1e6),
-        (8, &["MIL"], "mil", 0.0254),
-        (9, &["UM"], "micron", 1e-3),
-        (10, &["CM"], "centimetre", 10.0),
-        (11, &["UIN"], "microinch", 2.54e-5),
-    ];
-    let by_name = || {
-        let name = name?.to_uppercase();
-        UNITS.iter().find(|(_, names, ..)| names.contains(&name.as_str()))
-    };
     let by_flag = |flag: f64| UNITS.iter().find(|(own, ..)| f64::from(*own) == flag);
     let found = match flag {
-        Some(3.0) => by_name(),
-        Some(flag) => by_flag(flag).or_else(by_name),
-        None => by_name().or_else(|| by_flag(1.0)),
+        Some(BY_NAME) => by_name(name?),
+        Some(flag) => by_flag(flag),
+        None => name.and_then(by_name).or_else(|| by_flag(1.0)),
     };
     found.map(|(.., name, millimetres)| (*name, *millimetres))
 }

@@ -2,25 +2,35 @@
 
 use super::assembly::Placed;
 use super::entities::{Entities, Entity};
+use super::fault::{Fault, fault};
 use super::levels::Levels;
 use super::value::words;
 use crate::document::{Attributes, Colour, SurfaceKind};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The colours that a directory entry may name by number, from 1: black, red, green, blue, yellow, magenta, cyan, white.
 const COLOURS: [[u8; 3]; 8] =
     [[0, 0, 0], [255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 0], [255, 0, 255], [0, 255, 255], [255, 255, 255]];
 
+/// How far a colour's part may be outside its range, of 1: files print it with six digits or more.
+const PRINTED: f64 = 1e-6;
+
 /// The form of a property (406) that is a name.
 const NAME: i16 = 15;
 
-/// A face's own looks, else those of its surface, else those of what holds it.
-pub(super) fn looks(entities: &Entities, placed: &Placed, levels: &mut Levels) -> Attributes {
+/// A face's own looks, else those of its surface, else those of what holds it. Of colours that make no sense is `told`.
+pub(super) fn looks(
+    entities: &Entities,
+    placed: &Placed,
+    levels: &mut Levels,
+    told: &mut BTreeMap<u32, String>,
+) -> Attributes {
     let surface = basis(entities, placed.number);
     let those = || [Some(placed.number), surface, placed.holder].into_iter().flatten();
     Attributes {
         name: those().find_map(|number| name(entities, number)),
-        colour: those().find_map(|number| colour(entities, number)),
+        colour: those().find_map(|number| colour(entities, number, told)),
         layers: those()
             .map(|number| levels.layers(entities, number))
             .find(|layers| !layers.is_empty())
@@ -54,15 +64,32 @@ fn kind(entities: &Entities, surface: u32) -> SurfaceKind {
 }
 
 /// The colour that the directory entry names: by number, or by a pointer to a definition (314), whose parts are per cent.
-fn colour(entities: &Entities, number: u32) -> Option<Colour> {
+fn colour(entities: &Entities, number: u32, told: &mut BTreeMap<u32, String>) -> Option<Colour> {
     let own = entities.entry(number)?.colour;
     if own < 0 {
         let definition = own.unsigned_abs();
-        entities.entry(definition).filter(|entry| entry.kind == 314)?;
-        let parts = entities.get(definition).ok()?.parameters().numbers(1, 3).ok()?;
-        return Colour::of_parts([parts[0], parts[1], parts[2]].map(|part| part / 100.0));
+        let parts =
+            defined(entities, definition).map_err(|fault| told.insert(fault.number, fault.why + ": no colour")).ok()?;
+        if !parts.iter().all(|part| (-PRINTED..=1.0 + PRINTED).contains(part)) {
+            told.insert(definition, "its parts are not from 0 to 100: the nearest that are count".to_owned());
+        }
+        return Colour::of_parts(parts);
     }
-    COLOURS.get(usize::try_from(own).ok()?.checked_sub(1)?).map(|&parts| Colour(parts))
+    let known = COLOURS.get(usize::try_from(own).ok()?.checked_sub(1)?);
+    if known.is_none() {
+        told.insert(number, format!("it has colour {own}, which there is not: no colour"));
+    }
+    known.map(|&parts| Colour(parts))
+}
+
+/// The parts of the colour of a definition, from 0 to 1.
+fn defined(entities: &Entities, number: u32) -> Result<[f64; 3], Fault> {
+    let entity = entities.get(number)?;
+    if entity.entry.kind != 314 {
+        return Err(fault(number, "it is no definition of a colour (314)"));
+    }
+    let parts = entity.parameters().numbers(1, 3)?;
+    Ok([parts[0], parts[1], parts[2]].map(|part| part / 100.0))
 }
 
 /// The name that a property gives, or a definition itself, else the label of the directory entry.

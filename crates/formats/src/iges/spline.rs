@@ -36,9 +36,14 @@ pub(super) fn spline_curve(geometry: &Geometry, own: Parameters) -> Result<Piece
     let weights = weights(own.numbers(7 + knots, count)?);
     let points = points(&own.numbers(7 + knots + count, 3 * count)?);
     let spline = SpaceCurve::new(vector, &points, weights.as_deref()).map_err(wrong(own.number))?;
-    let ends = own.numbers(7 + knots + 4 * count, 2).unwrap_or_default();
+    let ends = ends(own, 7 + knots + 4 * count, 2)?;
     let range = range(own.number, &ends, spline.knots())?;
     Ok(Piece { curve: Curve::spline(spline, geometry.tolerance), range })
+}
+
+/// The ends of domains behind the control points; none where the record ends before them.
+fn ends(own: Parameters, from: usize, count: usize) -> Result<Vec<f64>, Fault> {
+    if own.values.len() <= from { Ok(vec![]) } else { own.numbers(from, count) }
 }
 
 /// The part of a knot vector's domain that the file names; all of it where it names none.
@@ -51,7 +56,7 @@ fn range(number: u32, ends: &[f64], knots: &KnotVector) -> Result<[f64; 2], Faul
     match start <= a && a < b && b <= end {
         true => Ok([a, b]),
         // Some writers leave zeros there.
-        false if a == b => Ok([start, end]),
+        false if a == 0.0 && b == 0.0 => Ok([start, end]),
         false => Err(fault(number, format!("its range {a} to {b} is not in that of its knots, {start} to {end}"))),
     }
 }
@@ -72,7 +77,7 @@ pub(super) fn spline_surface(geometry: &Geometry, own: Parameters) -> Result<Sur
     let first = 10 + knots_u + knots_v;
     let weights = weights(transposed(&own.numbers(first, count)?, nu));
     let points = transposed(&points(&own.numbers(first + count, 3 * count)?), nu);
-    let ends = own.numbers(first + 4 * count, 4).unwrap_or_default();
+    let ends = ends(own, first + 4 * count, 4)?;
     let ranges = [
         range(own.number, ends.get(..2).unwrap_or_default(), &u)?,
         range(own.number, ends.get(2..).unwrap_or_default(), &v)?,

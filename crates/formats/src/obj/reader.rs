@@ -80,10 +80,10 @@ enum Shape {
 /// What has been read so far.
 #[derive(Default)]
 pub(super) struct Reader {
-    /// (x, y, z) and the weight.
-    vertices: Vec<(DVec3, f64)>,
-    /// (u, v) and the weight.
-    parameters: Vec<DVec3>,
+    /// (x, y, z) and the weight; `None` for one that makes no sense, so that numbers stay.
+    vertices: Vec<Option<(DVec3, f64)>>,
+    /// (u, v) and the weight, likewise.
+    parameters: Vec<Option<DVec3>>,
     /// Of `cstype`: the basis, or why it is not converted; whether weights count.
     basis: Option<(Result<Basis, String>, bool)>,
     degrees: Vec<usize>,
@@ -121,6 +121,25 @@ fn reference(word: &str, count: usize) -> Result<usize, String> {
     found.filter(|i| *i < count).ok_or_else(|| format!("there is no number {index} among {count} before it"))
 }
 
+/// A point with its weight.
+fn vertex<'w>(words: &mut (impl Iterator<Item = &'w str> + Clone)) -> Result<(DVec3, f64), String> {
+    let point = DVec3::new(number(words.next())?, number(words.next())?, number(words.next())?);
+    // What follows is a weight, or a colour of three or four numbers.
+    match words.clone().count() {
+        0 | 3 | 4 => Ok((point, 1.0)),
+        1 => Ok((point, number(words.next())?)),
+        more => Err(format!("{} numbers are neither a point with its weight nor one with a colour", 3 + more)),
+    }
+}
+
+/// A point of a parameter space with its weight: u alone, or u and v.
+fn parameter<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<DVec3, String> {
+    let u = number(words.next())?;
+    let v = words.next().map_or(Ok(0.0), |word| number(Some(word)))?;
+    let weight = words.next().map_or(Ok(1.0), |word| number(Some(word)))?;
+    Ok(DVec3::new(u, v, weight))
+}
+
 impl Reader {
     pub fn statement(&mut self, statement: &Statement) {
         let mut words = statement.text.split_whitespace();
@@ -152,16 +171,14 @@ impl Reader {
         }
         match keyword {
             "v" => {
-                let point = DVec3::new(number(words.next())?, number(words.next())?, number(words.next())?);
-                // Six numbers are a point and a colour.
-                let weight = if words.clone().count() == 1 { number(words.next())? } else { 1.0 };
-                self.vertices.push((point, weight));
+                let read = vertex(words);
+                self.vertices.push(read.as_ref().ok().copied());
+                read?;
             }
             "vp" => {
-                let u = number(words.next())?;
-                let v = words.next().map_or(Ok(0.0), |word| number(Some(word)))?;
-                let weight = words.next().map_or(Ok(1.0), |word| number(Some(word)))?;
-                self.parameters.push(DVec3::new(u, v, weight));
+                let read = parameter(words);
+                self.parameters.push(read.as_ref().ok().copied());
+                read?;
             }
             "g" | "o" => self.name = name(&words.collect::<Vec<_>>().join(" ")),
             "cstype" => {
@@ -186,18 +203,14 @@ impl Reader {
                 self.origins.push((line, self.name.clone()));
                 let range =
                     [[number(words.next())?, number(words.next())?], [number(words.next())?, number(words.next())?]];
-                let points = self.points(words, |reader, k| {
-                    let (point, weight) = reader.vertices[k];
-                    point.extend(weight)
-                })?;
+                let points =
+                    self.points(words, |reader, k| reader.vertices[k].map(|(point, weight)| point.extend(weight)))?;
                 self.set(Shape::Surface(range), points);
             }
             "curv2" => {
                 self.begin(line, Shape::Curve);
-                let points = self.points(words, |reader, k| {
-                    let p = reader.parameters[k];
-                    DVec4::new(p.x, p.y, 0.0, p.z)
-                })?;
+                let points =
+                    self.points(words, |reader, k| reader.parameters[k].map(|p| DVec4::new(p.x, p.y, 0.0, p.z)))?;
                 self.set(Shape::Curve, points);
             }
             "curv" => self.begin(line, Shape::SpaceCurve),
@@ -242,14 +255,15 @@ impl Reader {
     fn points<'w>(
         &self,
         words: impl Iterator<Item = &'w str>,
-        point: impl Fn(&Self, usize) -> DVec4,
+        point: impl Fn(&Self, usize) -> Option<DVec4>,
     ) -> Result<Vec<DVec4>, String> {
         let of_curve = matches!(self.open, Some(Open { shape: Shape::Curve, .. }));
         let count = if of_curve { self.parameters.len() } else { self.vertices.len() };
         let is_rational = self.basis.as_ref().is_some_and(|(_, is_rational)| *is_rational);
         let mut points = vec![];
         for word in words {
-            let p = point(self, reference(word, count)?);
+            let k = reference(word, count)?;
+            let p = point(self, k).ok_or_else(|| format!("its point {} makes no sense", k + 1))?;
             points.push(if is_rational { (p.truncate() * p.w).extend(p.w) } else { p.truncate().extend(1.0) });
         }
         Ok(points)

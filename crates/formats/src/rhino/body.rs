@@ -27,6 +27,11 @@ pub(super) struct Remark {
 }
 
 impl Remark {
+    /// That something is drawn otherwise than it stands in the file.
+    pub fn healed(at: usize, text: String) -> Self {
+        Self { kind: NoteKind::Healed, at, text }
+    }
+
     /// That a part is not drawn.
     pub fn left_out(part: &str, fault: Fault) -> Self {
         Self { kind: NoteKind::LeftOut, at: fault.at, text: format!("{part}: {}", fault.text) }

@@ -40,6 +40,8 @@ struct Lists<'a> {
     faces: Vec<RawFace>,
     /// How many bytes of curves trims may still read.
     unread: Cell<usize>,
+    /// How many trims name an edge or a vertex that is not there.
+    loose: Cell<usize>,
 }
 
 struct RawTrim {
@@ -91,6 +93,11 @@ pub(super) fn read(object: &Object, tolerance: f64) -> Result<Body, Fault> {
                 }
             }
             Err(fault) => body.remarks.push(Remark::left_out(&part, fault)),
+        }
+        let loose = lists.loose.take();
+        if loose > 0 {
+            let text = format!("{part}: {loose} trims name an edge or a vertex that is not there: they have none");
+            body.remarks.push(Remark::healed(raw.at, text));
         }
     }
     Ok(body)
@@ -145,7 +152,7 @@ impl<'a> Lists<'a> {
             c.skip(4)?;
             Ok(face)
         })?;
-        Ok(Self { curves, surfaces, vertices, edges, trims, loops, faces, unread })
+        Ok(Self { curves, surfaces, vertices, edges, trims, loops, faces, unread, loose: Cell::new(0) })
     }
 
     /// A face on the surface of the file that its index names, how many of its loops enclose nothing, and how far trims are off.
@@ -188,8 +195,15 @@ impl<'a> Lists<'a> {
             Some(unread) => self.unread.set(unread),
             None => return Err(Fault { at: raw.at, text: "trims repeat curves too often".into() }),
         }
+        if !raw.range.iter().all(|t| t.is_finite()) {
+            return Err(Fault { at: raw.at, text: format!("it runs from {} to {}", raw.range[0], raw.range[1]) });
+        }
+        // Below 0 is none, as at a pole.
         let edge = usize::try_from(raw.edge).ok().and_then(|index| self.edges.get(index));
         let vertex = usize::try_from(raw.first_vertex).ok().and_then(|index| self.vertices.get(index));
+        if (0 <= raw.edge && edge.is_none()) || (0 <= raw.first_vertex && vertex.is_none()) {
+            self.loose.set(self.loose.get() + 1);
+        }
         let (first, mut off) = (trims.len(), 0.0);
         for piece in pieces(curve)? {
             let Some(part) = part(&piece, raw.range).map_err(unfit(raw.at))? else { continue };

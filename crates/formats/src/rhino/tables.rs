@@ -5,7 +5,7 @@ use super::attributes::{Attributes, Look, colour_source, material_source};
 use super::body::Remark;
 use super::class::{Class, Object};
 use super::material::Material;
-use crate::document::{Colour, NoteKind, Unit};
+use crate::document::{Colour, Unit};
 use std::collections::HashMap;
 
 /// Between the names of a layer's path.
@@ -122,17 +122,25 @@ impl<'a> Tables<'a> {
         let tolerance = data.f64()?;
         // Angle and relative tolerance; how lengths are shown.
         data.skip(2 * 8)?;
+        let at = data.at();
         let known = UNITS.iter().find(|(n, ..)| *n == number);
+        if known.is_none() && ![NO_UNIT, CUSTOM_UNIT].contains(&number) {
+            self.remarks.push(Remark::healed(at, format!("there is no unit {number}: none is taken")));
+        }
         self.unit = known.map(|(_, name, millimetres)| Unit { name: (*name).to_owned(), millimetres: *millimetres });
         if number == CUSTOM_UNIT && version >= 102 {
             data.skip(2 * 4)?;
             let millimetres = 1000.0 * data.finite()?;
             if millimetres > 0.0 {
                 self.unit = Some(Unit { name: data.string()?.to_lowercase(), millimetres });
+            } else {
+                self.remarks.push(Remark::healed(at, format!("a unit of {millimetres} mm is none: none is taken")));
             }
         }
         if tolerance >= 0.0 && tolerance.is_finite() {
             self.tolerance = tolerance;
+        } else {
+            self.remarks.push(Remark::healed(at, format!("a tolerance of {tolerance} is none: none is taken")));
         }
         Ok(())
     }
@@ -155,7 +163,7 @@ impl<'a> Tables<'a> {
             Ok(attributes) => attributes,
             Err(fault) => {
                 let text = format!("attributes: taken for those of a visible object, as {}", fault.text);
-                self.remarks.push(Remark { kind: NoteKind::Healed, at: fault.at, text });
+                self.remarks.push(Remark::healed(fault.at, text));
                 Attributes::default()
             }
         };
@@ -296,6 +304,9 @@ fn block(mut record: Cursor) -> Result<(Uuid, Block), Fault> {
 fn uuids(cursor: &mut Cursor) -> Result<Vec<Uuid>, Fault> {
     (0..cursor.count(16)?).map(|_| cursor.uuid()).collect()
 }
+
+/// The number of no unit.
+const NO_UNIT: i32 = 0;
 
 /// The number of a unit that the file defines.
 const CUSTOM_UNIT: i32 = 11;

@@ -7,17 +7,18 @@
 use super::fault::{Fault, fault};
 use super::geometry::Geometry;
 use super::layers::{LAYER, layers};
-use super::p21::Instances;
+use super::p21::{Instances, MISSING};
 use super::said::Said;
 use super::structure::{Child, REPRESENTATIONS, Structure};
 use super::styles::Styles;
 use super::units::Units;
+use super::value::Entity;
 use crate::brep::effort::Effort;
 use crate::brep::frame::Motion;
 use crate::brep::gathered::TOO_MANY;
 use crate::brep::off::Off;
 use crate::document::{Attributes, Colour, Layers};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -53,7 +54,11 @@ pub(super) struct Assembly {
     /// How many faces no representation shows, and the first of them; they are placed where they stand.
     pub lost: Option<(usize, u64)>,
     pub faults: Vec<Fault>,
+    /// What is drawn otherwise than it stands in the file.
+    pub healed: Vec<Fault>,
     instances: usize,
+    /// The representations that were entered.
+    reached: BTreeSet<u64>,
     /// Faces that are invisible.
     hidden: BTreeSet<u64>,
 }
@@ -92,15 +97,16 @@ impl Assembly {
     /// Follows the product structure; `of` lists the instances of each keyword of [`REPRESENTATIONS`], of
     /// [`RELATIONS`](super::structure::RELATIONS) and [`STYLES`](super::styles::STYLES), and of ADVANCED_FACE.
     pub fn new(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>) -> Self {
-        let mut faults = vec![];
-        let structure = Structure::new(instances, of, &mut faults);
+        let (mut faults, mut healed) = (vec![], vec![]);
+        let structure = Structure::new(instances, of, &mut faults, &mut healed);
         let layers = layers(instances, &of[LAYER], &mut faults);
-        let assembly = Self { faults, ..Self::default() };
+        let styles = Styles::new(instances, of, &mut faults, &mut healed);
+        let assembly = Self { faults, healed, ..Self::default() };
         let most = FACES + instances.bytes() / BYTES_A_FACE;
         let mut walk = Walk {
             instances,
             structure,
-            styles: Styles::new(instances, of),
+            styles,
             layers,
             owner: Owner::default(),
             labels: BTreeMap::new(),
@@ -112,10 +118,29 @@ impl Assembly {
             most,
             is_full: false,
         };
-        let mut all: BTreeSet<u64> = REPRESENTATIONS.iter().flat_map(|keyword| of[keyword].iter().copied()).collect();
-        all.retain(|number| !walk.structure.inner.contains(number));
-        for root in all {
+        let all: BTreeSet<u64> = REPRESENTATIONS.iter().flat_map(|keyword| of[keyword].iter().copied()).collect();
+        let (inner, roots): (Vec<u64>, Vec<u64>) =
+            all.into_iter().partition(|number| walk.structure.inner.contains(number));
+        for root in roots {
             walk.enter(root, &[], &Motion::IDENTITY, None);
+        }
+        // Representations that name only each other, or that a map names and no item.
+        let mut alone: Vec<u64> = vec![];
+        for number in inner {
+            let before = walk.assembly.placed.len();
+            if !(walk.assembly.reached.contains(&number) || walk.is_full) {
+                walk.enter(number, &[], &Motion::IDENTITY, None);
+            }
+            if before < walk.assembly.placed.len() {
+                alone.push(number);
+            }
+        }
+        if let Some(first) = alone.first() {
+            let why = format!(
+                "{} representations, this one the first, stand in none that is shown: they are drawn where they stand",
+                alone.len()
+            );
+            walk.assembly.healed.push(fault(*first, why));
         }
         let reached: BTreeSet<u64> = walk.assembly.placed.iter().map(|placed| placed.number).collect();
         let is_lost = |number: &u64| !reached.contains(number) && !walk.assembly.hidden.contains(number);
@@ -128,9 +153,23 @@ impl Assembly {
     }
 }
 
+/// Whether an item is a surface, by any of its parts.
+fn is_surface(entity: &Entity) -> bool {
+    entity.parts.iter().any(|(keyword, _)| {
+        *keyword == "PLANE"
+            || keyword.ends_with("_SURFACE")
+            || (keyword.contains("SURFACE_") && !keyword.ends_with("_CURVE") && !keyword.contains("_ON_SURFACE"))
+    })
+}
+
 impl Walk<'_, '_> {
     fn fail(&mut self, number: u64, why: &str) {
         self.assembly.faults.push(fault(number, why));
+    }
+
+    /// What was read; where it could not be, that is told.
+    fn heard<T>(&mut self, read: Result<T, Fault>) -> Option<T> {
+        read.map_err(|fault| self.assembly.faults.push(fault)).ok()
     }
 
     /// Walks what an instance is made of: name, colour, layers and visibility are its own where a part says nothing else.
@@ -185,13 +224,18 @@ impl Walk<'_, '_> {
             return;
         }
         let Some(entity) = self.instances.get(number) else {
-            return self.fail(number, "it is not in the file, or its text makes no sense");
+            return self.fail(number, MISSING);
         };
         let own = match entity.part("REPRESENTATION") {
             Some(part) if entity.parts.len() > 1 => part,
             _ => entity.parameters(),
         };
-        let (items, context) = (own.references(1).unwrap_or_default(), own.optional_reference(2));
+        self.assembly.reached.insert(number);
+        let items = self.heard(own.references(1)).unwrap_or_default();
+        let context = self.heard(own.optional_reference(2)).flatten();
+        if context.is_none() && !items.is_empty() {
+            self.assembly.healed.push(fault(number, "it names no context: no unit is taken"));
+        }
         if self.assembly.context.is_none() {
             self.assembly.context = context;
         }
@@ -221,32 +265,32 @@ impl Walk<'_, '_> {
 
     fn item(&mut self, number: u64, motion: &Motion, context: Option<u64>, instance: usize) {
         let Some(entity) = self.instances.get(number) else {
-            return self.fail(number, "it is not in the file, or its text makes no sense");
+            return self.fail(number, MISSING);
         };
         let own = entity.parameters();
         match entity.keyword() {
             "MANIFOLD_SOLID_BREP" | "FACETED_BREP" => {
-                self.shells(own.reference(1).into_iter(), motion, context, instance)
+                let shell = self.heard(own.reference(1));
+                self.shells(shell, motion, context, instance);
             }
             "BREP_WITH_VOIDS" => {
-                let shells = own.reference(1).into_iter().chain(own.references(2).unwrap_or_default());
-                self.shells(shells, motion, context, instance);
+                let outer = self.heard(own.reference(1));
+                let voids = self.heard(own.references(2)).unwrap_or_default();
+                self.shells(outer.into_iter().chain(voids), motion, context, instance);
             }
             "SHELL_BASED_SURFACE_MODEL" | "FACE_BASED_SURFACE_MODEL" => {
-                self.shells(own.references(1).unwrap_or_default().into_iter(), motion, context, instance);
+                let shells = self.heard(own.references(1)).unwrap_or_default();
+                self.shells(shells, motion, context, instance);
             }
             "CLOSED_SHELL" | "OPEN_SHELL" | "CONNECTED_FACE_SET" | "ORIENTED_CLOSED_SHELL" | "ORIENTED_OPEN_SHELL" => {
                 self.shells(std::iter::once(number), motion, context, instance);
             }
             "GEOMETRIC_SET" => {
-                for element in own.references(1).unwrap_or_default() {
-                    let keyword = self.instances.keyword(element);
-                    if keyword.is_empty()
-                        || keyword.ends_with("_SURFACE")
-                        || keyword.contains("SURFACE_")
-                        || keyword == "PLANE"
-                    {
-                        self.place(element, motion, false, context, instance);
+                for element in self.heard(own.references(1)).unwrap_or_default() {
+                    match self.instances.get(element) {
+                        Some(entity) if is_surface(&entity) => self.place(element, motion, false, context, instance),
+                        Some(_) => {}
+                        None => self.fail(element, MISSING),
                     }
                 }
             }
@@ -263,13 +307,15 @@ impl Walk<'_, '_> {
 
     fn mapped(&mut self, number: u64, motion: &Motion, context: Option<u64>) {
         let (work, off) = (Cell::new(usize::MAX), Cell::new(Off::default()));
+        let (effort, turned) = (Effort::new(0), RefCell::default());
         let geometry = Geometry {
             instances: self.instances,
             angle: 1.0,
             tolerance: 0.0,
             off: &off,
             work: &work,
-            effort: &Effort::new(0),
+            effort: &effort,
+            turned: &turned,
         };
         let target = || -> Result<(u64, Motion), Fault> {
             let item = geometry.get(number)?;
@@ -285,7 +331,13 @@ impl Walk<'_, '_> {
         }
     }
 
-    fn shells(&mut self, shells: impl Iterator<Item = u64>, motion: &Motion, context: Option<u64>, instance: usize) {
+    fn shells(
+        &mut self,
+        shells: impl IntoIterator<Item = u64>,
+        motion: &Motion,
+        context: Option<u64>,
+        instance: usize,
+    ) {
         for shell in shells {
             let (mut number, mut reversed) = (shell, false);
             let mut entity = self.instances.get(number);

@@ -1,7 +1,7 @@
 //! Points, placements, curves and surfaces of ISO 10303-42, each looked up when it is asked for.
 
 use super::fault::{Fault, fault};
-use super::p21::Instances;
+use super::p21::{Instances, MISSING};
 use super::spline::spline_parameters;
 use super::value::{Entity, Value};
 use crate::brep::across::Ramp;
@@ -16,7 +16,8 @@ use crate::brep::shape::{Profile, Shape};
 use crate::document::SurfaceKind;
 use glam::{DVec2, DVec3};
 use nurbs::{KnotVector, NurbsError, SpaceCurve, Surface};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeSet;
 
 /// How deep curves and surfaces may be made of others.
 const DEEPEST: usize = 16;
@@ -67,11 +68,13 @@ pub(super) struct Geometry<'f, 'b> {
     pub work: &'f Cell<usize>,
     /// How much offsets may still cost.
     pub effort: &'f Effort,
+    /// Placements whose second direction makes no sense: ISO 10303-42's own is taken, as if they had none.
+    pub turned: &'f RefCell<BTreeSet<u64>>,
 }
 
 impl<'b> Geometry<'_, 'b> {
     pub fn get(&self, number: u64) -> Result<Entity<'b>, Fault> {
-        self.instances.get(number).ok_or_else(|| fault(number, "it is not in the file, or its text makes no sense"))
+        self.instances.get(number).ok_or_else(|| fault(number, MISSING))
     }
 
     /// Counts so many control points or edges.
@@ -128,17 +131,36 @@ impl<'b> Geometry<'_, 'b> {
         if vector == DVec3::ZERO { Err(fault(number, "it has no length")) } else { Ok(vector) }
     }
 
-    /// An AXIS2_PLACEMENT_3D, or one of two axes in the plane, or an AXIS1_PLACEMENT.
-    pub fn placement(&self, number: u64) -> Result<Frame, Fault> {
+    /// An AXIS2_PLACEMENT_3D, or one of two axes in the plane, or an AXIS1_PLACEMENT. A second direction that makes no sense is
+    /// as if it were not there, and is kept to be told.
+    fn placement(&self, number: u64) -> Result<Frame, Fault> {
+        let (frame, is_turned) = self.axes(number)?;
+        if is_turned {
+            self.turned.borrow_mut().insert(number);
+        }
+        Ok(frame)
+    }
+
+    /// A placement that moves a part: all of it has to make sense.
+    pub fn place(&self, number: u64) -> Result<Frame, Fault> {
+        match self.axes(number)? {
+            (frame, false) => Ok(frame),
+            (_, true) => Err(fault(number, "its second direction has no length, or is that of its axis")),
+        }
+    }
+
+    /// A placement, and whether it has a second direction that has no length, or is that of its axis.
+    fn axes(&self, number: u64) -> Result<(Frame, bool), Fault> {
         let entity = self.get(number)?;
         let placement = entity.parameters();
         let origin = self.point(placement.reference(1)?)?;
-        let optional = |at: usize| placement.optional_reference(at).map(|number| self.direction(number)).transpose();
-        let frame = match entity.keyword() {
-            "AXIS2_PLACEMENT_2D" => Frame::new(origin, None, optional(2)?),
-            _ => Frame::new(origin, optional(2)?, optional(3)?),
+        let optional = |at: usize| placement.optional_reference(at)?.map(|number| self.direction(number)).transpose();
+        let (axis, reference) = match entity.keyword() {
+            "AXIS2_PLACEMENT_2D" => (None, optional(2)?),
+            _ => (optional(2)?, optional(3)?),
         };
-        frame.ok_or_else(|| fault(number, "its axis has no direction"))
+        let frame = Frame::new(origin, axis, reference).ok_or_else(|| fault(number, "its axis has no direction"))?;
+        Ok((frame, reference.is_some_and(|reference| frame.across(reference).is_none())))
     }
 
     /// A CARTESIAN_TRANSFORMATION_OPERATOR_3D, or a placement: what it moves the origin and the axes to.
@@ -147,21 +169,25 @@ impl<'b> Geometry<'_, 'b> {
         let Some(operator) =
             entity.part("CARTESIAN_TRANSFORMATION_OPERATOR_3D").or(entity.part("CARTESIAN_TRANSFORMATION_OPERATOR"))
         else {
-            let frame = self.placement(number)?;
+            let frame = self.place(number)?;
             return Ok(Motion::new([frame.x, frame.y, frame.z], frame.origin));
         };
         // Simple instances inherit a name, and complex ones spread their parameters over parts.
         let whole = if entity.parts.len() == 1 { operator.from(1) } else { operator };
-        let axis = |at: usize| whole.optional_reference(at).map(|number| self.direction(number)).transpose();
+        let axis = |at: usize| whole.optional_reference(at)?.map(|number| self.direction(number)).transpose();
         let third = entity.part("CARTESIAN_TRANSFORMATION_OPERATOR_3D").filter(|_| entity.parts.len() > 1);
         let third = match third {
-            Some(part) => part.optional_reference(0).map(|number| self.direction(number)).transpose()?,
+            Some(part) => part.optional_reference(0)?.map(|number| self.direction(number)).transpose()?,
             None => axis(4)?,
         };
         let (first, second) = (axis(0)?, axis(1)?);
         let origin = self.point(whole.reference(2)?)?;
-        let scale = whole.number(3).unwrap_or(1.0);
+        // ISO 10303-42: an absent scale is 1.
+        let scale = whole.optional_number(3)?.unwrap_or(1.0);
         let frame = Frame::new(origin, third, first).ok_or_else(|| fault(number, "its axes have no direction"))?;
+        if [first, second].into_iter().flatten().any(|axis| frame.across(axis).is_none()) {
+            return Err(fault(number, "an axis has no length, or is that of the third"));
+        }
         let y = if second.is_some_and(|second| second.dot(frame.y) < 0.0) { -frame.y } else { frame.y };
         if !(0.0 < scale && scale.is_finite()) {
             return Err(fault(number, "its scale is not above 0"));
@@ -241,8 +267,8 @@ impl<'b> Geometry<'_, 'b> {
         let Some(entity) = self.instances.get(number) else { return false };
         match entity.keyword() {
             "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" | "CURVE_REPLICA" => {
-                let inner = entity.parameters().optional_reference(1);
-                inner.is_some_and(|inner| COMPOSITES.contains(&self.instances.keyword(inner)))
+                let inner = entity.parameters().reference(1);
+                inner.is_ok_and(|inner| COMPOSITES.contains(&self.instances.keyword(inner)))
             }
             keyword => COMPOSITES.contains(&keyword) || (1 < entity.parts.len() && entity.is("COMPOSITE_CURVE")),
         }
@@ -347,7 +373,11 @@ impl<'b> Geometry<'_, 'b> {
             "SPHERICAL_SURFACE" => revolved(Profile::sphere(radius(2)?)),
             "TOROIDAL_SURFACE" => revolved(Profile::torus(radius(2)?, radius(3)?, true)),
             "DEGENERATE_TOROIDAL_SURFACE" => {
-                revolved(Profile::torus(own.number(2)?.max(0.0), radius(3)?, own.flag(4)?))
+                let major = own.number(2)?;
+                if major < 0.0 {
+                    return Err(fault(number, "a radius is below 0"));
+                }
+                revolved(Profile::torus(major, radius(3)?, own.flag(4)?))
             }
             "SURFACE_OF_REVOLUTION" => {
                 let profile = self.curve_within(own.reference(1)?, depth + 1)?;

@@ -1,7 +1,7 @@
 //! The layers that items are on (ISO 10303-46): each PRESENTATION_LAYER_ASSIGNMENT names a layer and what is on it.
 
 use super::fault::{Fault, fault};
-use super::p21::Instances;
+use super::p21::{Instances, MISSING};
 use super::said::Said;
 use super::styles::meant;
 use crate::document::{Layers, MOST_LAYERS};
@@ -15,7 +15,10 @@ pub(super) const LAYER: &str = "PRESENTATION_LAYER_ASSIGNMENT";
 pub(super) fn layers(instances: &Instances, numbers: &[u64], faults: &mut Vec<Fault>) -> Said<Layers> {
     let mut names: BTreeMap<(u64, Vec<u64>), Vec<Arc<str>>> = BTreeMap::new();
     for number in numbers {
-        let Some(entity) = instances.get(*number) else { continue };
+        let Some(entity) = instances.get(*number) else {
+            faults.push(fault(*number, MISSING));
+            continue;
+        };
         let own = entity.parameters();
         let Some(name) = own.name(0) else { continue };
         let items = own.references(2).unwrap_or_else(|fault| {

@@ -32,6 +32,9 @@ struct Record {
     line: u32,
 }
 
+/// Why there is no instance of a number.
+pub(super) const MISSING: &str = "it is not in the file, or its text makes no sense";
+
 impl<'b> Instances<'b> {
     /// Finds the instances of a file, which has at most 4 GiB.
     pub fn new(bytes: &'b [u8]) -> Self {

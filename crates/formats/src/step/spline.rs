@@ -85,6 +85,6 @@ impl<'b> Parameters<'_, 'b> {
     pub fn rows<T>(self, at: usize, item: impl Fn(&Value<'b>) -> Option<T>) -> Result<Vec<Vec<T>>, Fault> {
         let row = |row: &Value<'b>| row.as_list()?.iter().map(&item).collect::<Option<Vec<T>>>();
         let rows = self.list(at)?.iter().map(row).collect::<Option<_>>();
-        rows.ok_or_else(|| fault(self.number, format!("parameter {} is no table", at + 1)))
+        rows.ok_or_else(|| self.wrong(at, "a table"))
     }
 }

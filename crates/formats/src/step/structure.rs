@@ -3,13 +3,14 @@
 //! A representation stands in another one by a relationship with a transformation, by a MAPPED_ITEM, or, without a
 //! transformation, as the same thing.
 
-use super::fault::Fault;
+use super::fault::{Fault, fault};
 use super::geometry::Geometry;
-use super::p21::Instances;
+use super::p21::{Instances, MISSING};
+use super::value::Entity;
 use crate::brep::effort::Effort;
 use crate::brep::frame::{Frame, Motion};
 use crate::brep::off::Off;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -57,9 +58,15 @@ pub(super) struct Structure {
 }
 
 impl Structure {
-    /// Follows the relations of a file; `of` lists the instances of each keyword of [`RELATIONS`].
-    pub fn new(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, faults: &mut Vec<Fault>) -> Self {
-        relations(instances, of, faults)
+    /// Follows the relations of a file; `of` lists the instances of each keyword of [`RELATIONS`]. `faults` tell what is lost,
+    /// `healed` what is taken otherwise than it stands.
+    pub fn new(
+        instances: &Instances,
+        of: &BTreeMap<&'static str, Vec<u64>>,
+        faults: &mut Vec<Fault>,
+        healed: &mut Vec<Fault>,
+    ) -> Self {
+        relations(instances, of, faults, healed)
     }
 
     /// The name of the product that a representation shows.
@@ -72,7 +79,12 @@ impl Structure {
     }
 }
 
-fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, faults: &mut Vec<Fault>) -> Structure {
+fn relations(
+    instances: &Instances,
+    of: &BTreeMap<&'static str, Vec<u64>>,
+    faults: &mut Vec<Fault>,
+    healed: &mut Vec<Fault>,
+) -> Structure {
     let (mut children, mut inner): (BTreeMap<u64, Vec<Child>>, BTreeSet<u64>) = Default::default();
     let mut add = |parent: u64, representation: u64, motion: Motion, uses: Vec<u64>| {
         children.entry(parent).or_default().push(Child { representation, motion, uses });
@@ -82,18 +94,31 @@ fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, fault
     let mapped: Vec<u64> = of["REPRESENTATION_MAP"].iter().filter_map(mapped).collect();
     let mut shown: BTreeMap<u64, u64> = BTreeMap::new();
     for number in &of["SHAPE_DEFINITION_REPRESENTATION"] {
-        let pair = instances.get(*number).and_then(|entity| {
+        let pair = || -> Result<(u64, Option<u64>), Fault> {
+            let entity = get(instances, *number)?;
             let own = entity.parameters();
-            let definition = instances.get(own.reference(0).ok()?)?;
-            Some((own.reference(1).ok()?, definition.parameters().reference(2).ok()?))
-        });
-        shown.extend(pair);
+            let definition = get(instances, own.reference(0)?)?;
+            // What it is the shape of may be no product: a property, or a part of one.
+            Ok((own.reference(1)?, definition.parameters().reference(2).ok()))
+        };
+        match pair() {
+            Ok((representation, definition)) => shown.extend(definition.map(|definition| (representation, definition))),
+            Err(fault) => faults.push(fault),
+        }
     }
     let mut placed: BTreeSet<u64> = BTreeSet::new();
     for number in &of["CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"] {
-        let Some(entity) = instances.get(*number) else { continue };
-        let own = entity.parameters();
-        let (Ok(relation), Ok(shape)) = (own.reference(0), own.reference(1)) else { continue };
+        let pair = || -> Result<(u64, u64), Fault> {
+            let entity = get(instances, *number)?;
+            Ok((entity.parameters().reference(0)?, entity.parameters().reference(1)?))
+        };
+        let (relation, shape) = match pair() {
+            Ok(pair) => pair,
+            Err(fault) => {
+                faults.push(fault);
+                continue;
+            }
+        };
         placed.insert(relation);
         match related(instances, relation) {
             Ok((mut child, mut parent, motion)) => {
@@ -105,6 +130,12 @@ fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, fault
                     let own = usage.parameters();
                     Some((own.reference(3).ok()?, own.reference(4).ok()?))
                 });
+                if ends.is_none() {
+                    healed.push(fault(
+                        *number,
+                        "it names no use that says which of the two is the part: the first is taken",
+                    ));
+                }
                 if let Some((whole, part)) = ends
                     && shown.get(&child) == Some(&whole)
                     && shown.get(&parent) == Some(&part)
@@ -138,10 +169,16 @@ fn relations(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>, fault
     Structure { children, inner, shown }
 }
 
+fn get<'b>(instances: &Instances<'b>, number: u64) -> Result<Entity<'b>, Fault> {
+    instances.get(number).ok_or_else(|| fault(number, MISSING))
+}
+
 /// The two representations of a relationship, and the move from the first one's coordinates to the second's.
 fn related(instances: &Instances, number: u64) -> Result<(u64, u64, Motion), Fault> {
     let (work, off) = (Cell::new(usize::MAX), Cell::new(Off::default()));
-    let geometry = Geometry { instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work, effort: &Effort::new(0) };
+    let (effort, turned) = (Effort::new(0), RefCell::default());
+    let geometry =
+        Geometry { instances, angle: 1.0, tolerance: 0.0, off: &off, work: &work, effort: &effort, turned: &turned };
     let entity = geometry.get(number)?;
     let own = match entity.part("REPRESENTATION_RELATIONSHIP") {
         Some(part) => part,
@@ -156,6 +193,6 @@ fn related(instances: &Instances, number: u64) -> Result<(u64, u64, Motion), Fau
         return Ok((first, second, geometry.motion(transformation.number)?));
     }
     let own = transformation.parameters();
-    let frame = |at: usize| -> Result<Frame, Fault> { geometry.placement(own.reference(at)?) };
+    let frame = |at: usize| -> Result<Frame, Fault> { geometry.place(own.reference(at)?) };
     Ok((first, second, Motion::between(&frame(2)?, &frame(3)?)))
 }

@@ -5,7 +5,8 @@
 //! CONTEXT_DEPENDENT, or a style BY_CONTEXT, holds only where the walk came through each of the instances that it names. An
 //! INVISIBILITY hides items, styled ones, and layers with all that is on them.
 
-use super::p21::Instances;
+use super::fault::{Fault, fault};
+use super::p21::{Instances, MISSING};
 use super::said::Said;
 use super::structure::REPRESENTATIONS;
 use super::value::{Entity, Value};
@@ -23,6 +24,9 @@ pub(super) const STYLES: [&str; 5] = [
 
 /// How deep a style may be made of others, lists counted.
 const DEEPEST: usize = 16;
+
+/// How far a colour's part may be outside 0 to 1: files print it with six digits or more.
+const PRINTED: f64 = 1e-6;
 
 /// Keywords of contexts that a walk comes through, beside representations.
 const CONTEXTS: [&str; 6] = [
@@ -70,14 +74,26 @@ pub(super) struct Styles {
 }
 
 impl Styles {
-    /// Those of a file; `of` lists the instances of each keyword of [`STYLES`].
-    pub fn new(instances: &Instances, of: &BTreeMap<&'static str, Vec<u64>>) -> Self {
+    /// Those of a file; `of` lists the instances of each keyword of [`STYLES`]. Of what cannot be read
+    /// `faults` tell, and `healed` of what is taken otherwise than it stands.
+    pub fn new(
+        instances: &Instances,
+        of: &BTreeMap<&'static str, Vec<u64>>,
+        faults: &mut Vec<Fault>,
+        healed: &mut Vec<Fault>,
+    ) -> Self {
         let mut styles = Self::default();
-        let mut search = Search { instances, found: BTreeMap::new() };
+        let mut search = Search { instances, found: BTreeMap::new(), faults, healed };
         // What overrides comes first, and stays.
         for number in STYLES[..3].iter().flat_map(|keyword| &of[keyword]) {
-            let Some(entity) = instances.get(*number) else { continue };
-            let Some(Styled { styles: own, item, over, contexts }) = styled(instances, &entity) else { continue };
+            let Some(entity) = instances.get(*number) else {
+                search.faults.push(fault(*number, MISSING));
+                continue;
+            };
+            let Some(Styled { styles: own, item, over, contexts }) = styled(instances, &entity) else {
+                search.faults.push(fault(*number, "it names no styles, or no item that has them"));
+                continue;
+            };
             for style in own {
                 let Some(colour) = search.colour(style, 0) else { continue };
                 let mut contexts = contexts.clone();
@@ -92,8 +108,14 @@ impl Styles {
         // Each once: a few bytes may name a long layer again and again.
         let mut named = BTreeSet::new();
         for number in &of["INVISIBILITY"] {
-            let items = instances.get(*number).and_then(|entity| entity.parameters().references(0).ok());
-            named.extend(items.unwrap_or_default());
+            let items = match instances.get(*number) {
+                Some(entity) => entity.parameters().references(0),
+                None => Err(fault(*number, MISSING)),
+            };
+            match items {
+                Ok(items) => named.extend(items),
+                Err(fault) => faults.push(fault),
+            }
         }
         named.into_iter().for_each(|item| styles.hide(instances, item));
         styles
@@ -177,6 +199,8 @@ fn is_walked(instances: &Instances, context: u64) -> bool {
 struct Search<'f, 'b> {
     instances: &'f Instances<'b>,
     found: BTreeMap<u64, Option<Colour>>,
+    faults: &'f mut Vec<Fault>,
+    healed: &'f mut Vec<Fault>,
 }
 
 impl Search<'_, '_> {
@@ -191,16 +215,32 @@ impl Search<'_, '_> {
         }
         // A style that is made of itself has no colour.
         self.found.insert(number, None);
-        let entity = self.instances.get(number)?;
+        let Some(entity) = self.instances.get(number) else {
+            self.faults.push(fault(number, MISSING));
+            return None;
+        };
         let own = entity.parameters();
         let found = match entity.keyword() {
             "COLOUR_RGB" => {
                 let part = |at: usize| own.number(at).ok();
-                part(1).zip(part(2)).zip(part(3)).and_then(|((r, g), b)| Colour::of_parts([r, g, b]))
+                let parts = part(1).zip(part(2)).zip(part(3)).map(|((r, g), b)| [r, g, b]);
+                let is_legal = |part: &f64| (-PRINTED..=1.0 + PRINTED).contains(part);
+                match parts {
+                    None => self.faults.push(fault(number, "it is no colour: three numbers")),
+                    Some(parts) if !parts.iter().all(is_legal) => {
+                        self.healed.push(fault(number, "its parts are not from 0 to 1: the nearest that are count"));
+                    }
+                    Some(_) => {}
+                }
+                parts.and_then(Colour::of_parts)
             }
             "DRAUGHTING_PRE_DEFINED_COLOUR" => {
                 let name = own.name(0);
-                NAMED.iter().find(|(known, _)| name.as_deref() == Some(*known)).map(|(_, parts)| Colour(*parts))
+                let known = NAMED.iter().find(|(known, _)| name.as_deref() == Some(*known));
+                if known.is_none() {
+                    self.faults.push(fault(number, "it names no known colour"));
+                }
+                known.map(|(_, parts)| Colour(*parts))
             }
             keyword if SURFACE_STYLES.contains(&keyword) => {
                 own.values.iter().find_map(|value| self.colour(value, depth + 1))

@@ -4,7 +4,7 @@ use super::fault::{Fault, fault};
 use super::geometry::Geometry;
 use crate::brep::curve::Curve;
 use crate::brep::path::{Piece, Use};
-use crate::brep::shape::Shape;
+use crate::brep::shape::{Profile, Shape};
 use crate::brep::source::{Bound, Source};
 use glam::DVec3;
 use nurbs::SpaceCurve;
@@ -64,8 +64,12 @@ pub(super) fn surface(geometry: &Geometry, number: u64) -> Result<Source, Fault>
         }
     }
     let scale = scale(&shape, geometry.angle);
-    let u = [own.number(2)? * scale.x, own.number(3)? * scale.x];
-    let v = [own.number(4)? * scale.y, own.number(5)? * scale.y];
+    let (senses, periods) = ([own.flag(6)?, own.flag(7)?], cyclic(&shape));
+    let side = |axis: usize| -> Result<[f64; 2], Fault> {
+        let ends = [own.number(2 + 2 * axis)? * scale[axis], own.number(3 + 2 * axis)? * scale[axis]];
+        run(ends, senses[axis], periods[axis]).ok_or_else(|| fault(number, "it is trimmed to nothing"))
+    };
+    let (u, v) = (side(0)?, side(1)?);
     let corner = |k: usize| DVec3::new(u[usize::from(k % 4 == 1 || k % 4 == 2)], v[usize::from(k % 4 >= 2)], 0.0);
     let side = |k: usize| {
         let (a, b) = (corner(k), corner(k + 1));
@@ -73,7 +77,36 @@ pub(super) fn surface(geometry: &Geometry, number: u64) -> Result<Source, Fault>
         Use { space: None, plane: Some(plane), reversed: false, edge: None, vertices: [0.0; 2] }
     };
     let bounds = vec![Bound { outer: true, uses: (0..4).map(side).collect() }];
-    Ok(Source { shape, same_sense: true, bounds, tolerance: geometry.tolerance, off: geometry.off.get() })
+    // A parameter that opposes the surface's own turns the normal.
+    Ok(Source {
+        shape,
+        same_sense: senses[0] == senses[1],
+        bounds,
+        tolerance: geometry.tolerance,
+        off: geometry.off.get(),
+    })
+}
+
+/// The periods of a surface's parameters where ISO 10303-42 lets a rectangle run on across a seam: a turn about an axis, and
+/// around a torus.
+fn cyclic(shape: &Shape) -> [Option<f64>; 2] {
+    match shape {
+        Shape::Revolved { profile: Profile::Arc { .. }, .. } => shape.periods(),
+        Shape::Revolved { .. } => [shape.periods()[0], None],
+        _ => [None; 2],
+    }
+}
+
+/// The range, ascending, from the first of two parameters to the second, in the sense of the surface or against it; `None` where
+/// they are one. Where the parameter is cyclic, it may run across the seam.
+fn run([from, to]: [f64; 2], with: bool, period: Option<f64>) -> Option<[f64; 2]> {
+    let [from, to] = if with || period.is_none() { [from, to] } else { [to, from] };
+    match period {
+        _ if from == to => None,
+        Some(period) if to < from => Some([from, to + ((from - to) / period).ceil() * period]),
+        Some(_) => Some([from, to]),
+        None => Some([from.min(to), from.max(to)]),
+    }
 }
 
 /// A curve that bounds a surface.
@@ -190,7 +223,6 @@ fn pcurve(geometry: &Geometry, curve: u64, surface: u64, shape: &Shape) -> Optio
 
 /// What the file's parameters of a surface are multiplied by: its angles are radians here.
 fn scale(shape: &Shape, angle: f64) -> glam::DVec2 {
-    use crate::brep::shape::Profile;
     let is_angle = match shape {
         Shape::Revolved { profile: Profile::Arc { .. } | Profile::Curve(Curve::Ellipse { .. }), .. } => [true, true],
         Shape::Revolved { .. } => [true, false],

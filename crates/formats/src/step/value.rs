@@ -47,12 +47,12 @@ impl<'b> Entity<'b> {
     /// The parameters of the part of that keyword.
     pub fn part(&self, keyword: &str) -> Option<Parameters<'_, 'b>> {
         let (_, values) = self.parts.iter().find(|(own, _)| *own == keyword)?;
-        Some(Parameters { number: self.number, values })
+        Some(Parameters { number: self.number, values, before: 0 })
     }
 
     /// The parameters of a simple instance, or of the first part of a complex one.
     pub fn parameters(&self) -> Parameters<'_, 'b> {
-        Parameters { number: self.number, values: &self.parts[0].1 }
+        Parameters { number: self.number, values: &self.parts[0].1, before: 0 }
     }
 }
 
@@ -61,20 +61,22 @@ impl<'b> Entity<'b> {
 pub(super) struct Parameters<'e, 'b> {
     pub number: u64,
     pub values: &'e [Value<'b>],
+    /// How many parameters of its part stand before these.
+    before: usize,
 }
 
 impl<'e, 'b> Parameters<'e, 'b> {
     /// Those from position `first` on.
     pub fn from(self, first: usize) -> Self {
-        Self { values: self.values.get(first..).unwrap_or(&[]), ..self }
+        Self { values: self.values.get(first..).unwrap_or(&[]), before: self.before + first, ..self }
     }
 
     fn value(self, at: usize) -> &'e Value<'b> {
         self.values.get(at).unwrap_or(&Value::Absent)
     }
 
-    fn wrong(self, at: usize, expected: &str) -> Fault {
-        fault(self.number, format!("parameter {} is not {expected}", at + 1))
+    pub fn wrong(self, at: usize, expected: &str) -> Fault {
+        fault(self.number, format!("parameter {} is not {expected}", self.before + at + 1))
     }
 
     pub fn number(self, at: usize) -> Result<f64, Fault> {
@@ -89,8 +91,20 @@ impl<'e, 'b> Parameters<'e, 'b> {
         self.value(at).as_reference().ok_or_else(|| self.wrong(at, "an instance"))
     }
 
-    pub fn optional_reference(self, at: usize) -> Option<u64> {
-        self.value(at).as_reference()
+    /// An instance; `None` for `$`, `*`, and where the parameters end before it.
+    pub fn optional_reference(self, at: usize) -> Result<Option<u64>, Fault> {
+        match self.value(at) {
+            Value::Absent => Ok(None),
+            _ => self.reference(at).map(Some),
+        }
+    }
+
+    /// A number; `None` for `$`, `*`, and where the parameters end before it.
+    pub fn optional_number(self, at: usize) -> Result<Option<f64>, Fault> {
+        match self.value(at) {
+            Value::Absent => Ok(None),
+            _ => self.number(at).map(Some),
+        }
     }
 
     /// `.T.` or `.F.`.

@@ -267,3 +267,35 @@ fn a_surface_has_the_name_of_the_group_or_the_object_before_it() {
     let names: Vec<Option<&str>> = document.attributes.iter().map(|said| said.name.as_deref()).collect();
     assert_eq!(names, [None, Some("left wing"), Some("tail")]);
 }
+
+/// A point that makes no sense costs the surfaces that name it, and the numbers of those behind it stay.
+#[test]
+fn a_point_that_makes_no_sense_keeps_its_number() {
+    let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
+    let end = "cstype bezier\ndeg 1 1\nsurf 0 1 0 1 1 2 3 4\nparm u 0 1\nparm v 0 1\nend\n";
+    let whole = read(&format!("{start}{end}")).unwrap();
+    for wrong in ["v NaN 0 0", "v 1e999 0 0", "v 1 2", "v 1 2 3 4 5", "v 1 2 3 4 5 6 7 8"] {
+        let text = format!("{wrong}\n{start}{}", end.replace("1 2 3 4", "2 3 4 5"));
+        let document = read(&text).unwrap();
+        assert_eq!(model_bits(&document.model), model_bits(&whole.model), "{wrong}");
+        let notes = notes(&document);
+        assert!(notes.len() == 1 && notes[0].starts_with("line 1: v: "), "{wrong}: {notes:?}");
+        let document = read(&format!("{text}{end}")).unwrap();
+        let is_told = document.notes.iter().any(|note| note.text.contains("its point 1 makes no sense"));
+        assert!(is_told && document.model.faces().len() == 1, "{wrong}: {:?}", document.notes);
+    }
+    // So it is in a parameter space.
+    let trimmed = |points: &str, numbers: &str| {
+        format!(
+            "{points}{start}cstype bspline\ndeg 1\ncurv2 {numbers}\nparm u 0 0 1 2 3 3\nend\n{}",
+            end.replace("parm v 0 1\n", "parm v 0 1\ntrim 0 3 1\n")
+        )
+    };
+    let whole = read(&trimmed("vp 0 0\nvp 1 0\nvp 1 1\n", "1 2 3 1")).unwrap();
+    let document = read(&trimmed("vp 0 x\nvp 0 0\nvp 1 0\nvp 1 1\n", "2 3 4 2")).unwrap();
+    assert_eq!(model_bits(&document.model), model_bits(&whole.model));
+    let text = trimmed("vp 0 x\nvp 0 0\nvp 1 0\nvp 1 1\n", "1 2 3 1");
+    let document = read(&format!("{text}{end}")).unwrap();
+    let is_told = document.notes.iter().any(|note| note.text.contains("its point 1 makes no sense"));
+    assert!(is_told && document.model.faces().len() == 1, "{:?}", document.notes);
+}

@@ -325,3 +325,29 @@ fn a_layer_above_itself_has_a_path() {
     let shell = document.attributes.iter().find(|said| said.name.as_deref() == Some("shell")).unwrap();
     assert_eq!(*shell.layers[0], *["Karosserie"; 64].join("::"));
 }
+
+/// A unit and a tolerance that are none are told; no other takes their place in silence.
+#[test]
+fn a_unit_and_a_tolerance_that_are_none_are_told() {
+    let good = std::fs::read(parts(5)).unwrap();
+    // Code, length, version; then the number of the unit, and the tolerance.
+    let code = 0x2000_8031u32.to_le_bytes();
+    let is_record = |part: &[u8]| part[..4] == code && (100..110).contains(&part[12]) && part[13..16] == [0; 3];
+    let at = 16 + good.windows(32).position(is_record).expect("units");
+    let document = format().read(&good, "good.3dm").unwrap();
+    assert!(document.unit.is_some() && document.notes.iter().all(|note| !note.text.contains("none is taken")));
+    let changed = |offset: usize, new: &[u8]| {
+        let mut bytes = good.clone();
+        bytes[at + offset..at + offset + new.len()].copy_from_slice(new);
+        let document = format().read(&bytes, "changed.3dm").unwrap();
+        let told = document.notes.iter().filter(|note| note.kind == NoteKind::Healed).map(ToString::to_string);
+        (document.unit.is_some(), told.filter(|note| note.contains("none is taken")).collect::<Vec<_>>())
+    };
+    let (has_unit, told) = changed(0, &77i32.to_le_bytes());
+    assert!(!has_unit && told.len() == 1 && told[0].contains("there is no unit 77"), "{told:?}");
+    assert_eq!(changed(0, &0i32.to_le_bytes()), (false, vec![]), "a file may have no unit");
+    for tolerance in [f64::NAN, -1.0, f64::INFINITY] {
+        let (has_unit, told) = changed(4, &tolerance.to_le_bytes());
+        assert!(has_unit && told.len() == 1 && told[0].contains("a tolerance of "), "{tolerance}: {told:?}");
+    }
+}

@@ -19,6 +19,7 @@ mod oracle;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;
 mod sheets;
+mod silence;
 mod solids;
 mod support;
 #[path = "../formats/table.rs"]

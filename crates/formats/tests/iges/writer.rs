@@ -28,7 +28,7 @@ pub struct Style {
     /// Whether exponents are Fortran's, and blanks at the ends of lines are left away.
     pub is_terse: bool,
     /// Unit flag, name, and model scale.
-    pub unit: (u8, &'static str, f64),
+    pub unit: (i32, &'static str, f64),
 }
 
 impl Default for Style {

@@ -98,7 +98,7 @@ pub fn finished(w: &mut Writer, model: u64) -> String {
 fn a_shell_has_a_colour_and_what_overrides_counts_whatever_comes_first() {
     let mut w = Writer::new("AUTOMOTIVE_DESIGN");
     let ([low, _], shell, model) = discs(&mut w, [r"Stirnfl\X2\00E4\X0\che", "NONE"]);
-    colour(&mut w, low, "OVER_RIDING_STYLED_ITEM", "COLOUR_RGB('',1.5,0.,-1.)");
+    colour(&mut w, low, "OVER_RIDING_STYLED_ITEM", "COLOUR_RGB('',1.,0.,0.)");
     colour(&mut w, low, "STYLED_ITEM", "DRAUGHTING_PRE_DEFINED_COLOUR('blue')");
     colour(&mut w, shell, "STYLED_ITEM", "DRAUGHTING_PRE_DEFINED_COLOUR('yellow')");
     let document = read(&finished(&mut w, model));

@@ -16,9 +16,11 @@ mod offsets;
 #[path = "../formats/opencascade.rs"]
 mod opencascade;
 mod oracle;
+mod rectangles;
 mod replicas;
 #[path = "../formats/same_faces.rs"]
 mod same_faces;
+mod silence;
 mod solids;
 mod support;
 #[path = "../formats/table.rs"]

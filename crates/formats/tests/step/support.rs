@@ -19,7 +19,9 @@ fn surfaces_are_taken_as_the_table_says() {
         #14=POLYLINE('',(#1,#5,#6,#1));\n#15=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#14);\n\
         #16=OUTER_BOUNDARY_CURVE('',(#15),.F.);\n#17=DIRECTION('',(0.,1.,0.));\n#18=AXIS2_PLACEMENT_3D('',#1,#17,$);\n#19=PLANE('',#18);\n\
         #20=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',$,$,#5,2.,$);\n\
-        #21=PARABOLA('',#2,1.);\n#22=SURFACE_OF_LINEAR_EXTRUSION('',#21,#4);\n";
+        #21=PARABOLA('',#2,1.);\n#22=SURFACE_OF_LINEAR_EXTRUSION('',#21,#4);\n\
+        #23=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n\
+        #24=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#23))REPRESENTATION_CONTEXT('',''));\n";
     let net = "((#1,#7),(#5,#6)),.UNSPECIFIED.,.F.,.F.,.F.";
     let bodies: BTreeMap<&str, String> = [
         ("SPHERICAL_SURFACE", "SPHERICAL_SURFACE('',#2,1.)".to_owned()),
@@ -58,7 +60,7 @@ fn surfaces_are_taken_as_the_table_says() {
         tried += 1;
         let text = format!(
             "DATA;\n{data}#50={body};\n#51=GEOMETRIC_SET('',(#50,#13));\n\
-             #52=GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION('',(#51),$);\n#100=BEZIER_SURFACE('',1,1,{net});\nENDSEC;\n"
+             #52=GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION('',(#51),#24);\n#100=BEZIER_SURFACE('',1,1,{net});\nENDSEC;\n"
         );
         let document = step.read(text.as_bytes(), "part.step").unwrap_or_else(|error| panic!("{name}: {error}"));
         let losses: Vec<String> =

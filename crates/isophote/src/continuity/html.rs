@@ -67,7 +67,7 @@ fn preformatted(lines: &[String]) -> String {
 }
 
 fn rows(report: &Report) -> String {
-    let header: String = table::HEADER.iter().map(|name| format!("<th>{}</th>", html(name))).collect();
+    let header: String = table::header().iter().map(|name| format!("<th>{}</th>", html(name))).collect();
     let row = |edge: &continuity::EdgeReport| -> String {
         let cells: String = table::cells(edge).iter().map(|cell| format!("<td>{}</td>", html(cell))).collect();
         format!("<tr>{cells}</tr>")

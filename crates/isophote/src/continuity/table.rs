@@ -1,5 +1,6 @@
 //! The report as lines and a table.
 
+use super::codes::CODES;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use continuity::{Answer, Class, EdgeReport, Named, Report, Verdict};
 use scene::escaped;
@@ -75,18 +76,24 @@ pub fn settings(report: &Report) -> Vec<String> {
 fn table(report: &Report) -> String {
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
-    table.set_header(HEADER);
+    table.set_header(header());
     for edge in report.edges.iter().take(ROWS) {
         table.add_row(cells(edge));
     }
     table.to_string()
 }
 
-/// The columns of an edge.
-pub const HEADER: [&str; 9] =
-    ["edge", "faces", "length", "verdict", "class", "gap", "angle °", "curvature", "at worst"];
+/// The columns of an edge, with the codes of criteria.
+pub fn header() -> [String; 9] {
+    let judged = |name: &str, code: &str| format!("{name}\n{code}");
+    let [gap, angle, curvature] =
+        [judged("gap", CODES.gap), judged("angle °", CODES.angle), judged("curvature", CODES.curvature)];
+    let plain = ["edge", "faces", "length", "verdict", "class"].map(str::to_owned);
+    let [edge, faces, length, verdict, class] = plain;
+    [edge, faces, length, verdict, class, gap, angle, curvature, "at worst".to_owned()]
+}
 
-/// An edge in the columns of [`HEADER`].
+/// An edge in the columns of [`header`].
 pub fn cells(edge: &EdgeReport) -> [String; 9] {
     let number = edge.edge.map_or("matched".to_owned(), |edge| edge.to_string());
     let [a, b] = &edge.borders;
@@ -128,17 +135,17 @@ fn range(answer: &Answer) -> String {
 /// What is said of borders beside edges.
 pub fn borders(report: &Report) -> Vec<String> {
     let mut lines = vec![];
-    list(&mut lines, "free edges", &report.free, of);
-    list(&mut lines, "edges of three faces or more", &report.non_manifold, |edge| {
+    list(&mut lines, &coded("free edges", CODES.free), &report.free, of);
+    list(&mut lines, &coded("edges of three faces or more", CODES.non_manifold), &report.non_manifold, |edge| {
         edge.borders.iter().map(of).collect::<Vec<_>>().join("; ")
     });
     list(&mut lines, "T-junctions", &report.t_junctions, |junction| {
         let [x, y, z] = junction.position;
         format!("{} ends within {} at ({x:.4}, {y:.4}, {z:.4})", of(&junction.ending), of(&junction.through))
     });
-    list(&mut lines, "borders that are points, or shorter than the reach", &report.points, of);
+    list(&mut lines, &coded("borders that are points, or shorter than the reach", CODES.points), &report.points, of);
     let turned: Vec<&EdgeReport> = report.edges.iter().filter(|edge| !edge.is_turned_alike).collect();
-    list(&mut lines, "edges whose faces are turned to different sides", &turned, |edge| {
+    list(&mut lines, &coded("edges whose faces are turned to different sides", CODES.turned), &turned, |edge| {
         edge.borders.iter().map(of).collect::<Vec<_>>().join("; ")
     });
     lines
@@ -153,25 +160,31 @@ pub fn faces(report: &Report) -> Vec<String> {
     if let Some(face) = tightest {
         let ([x, y, z], _) = face.at.unwrap_or_default();
         lines.push(format!(
-            "least radius of curvature: ≤ {:.4e}, ≥ {:.4e}, face {} at ({x:.4}, {y:.4}, {z:.4})",
+            "{}: ≤ {:.4e}, ≥ {:.4e}, face {} at ({x:.4}, {y:.4}, {z:.4})",
+            coded("least radius of curvature", CODES.radius),
             face.least_radius_seen.unwrap_or(f64::INFINITY),
             face.least_radius_bound,
             face.face
         ));
     }
     let degenerate: Vec<_> = report.faces.iter().filter(|face| !face.degenerate_normals.is_empty()).collect();
-    list(&mut lines, "faces with places without a proven normal", &degenerate, |face| {
-        let (uv, _, kind) = face.degenerate_normals[0];
-        format!(
-            "face {}: {} places, first {kind} at (u, v) = ({}, {})",
-            face.face,
-            face.degenerate_normals.len(),
-            uv[0],
-            uv[1]
-        )
-    });
+    list(
+        &mut lines,
+        &coded("faces with places without a proven normal", CODES.degenerate_normals),
+        &degenerate,
+        |face| {
+            let (uv, _, kind) = face.degenerate_normals[0];
+            format!(
+                "face {}: {} places, first {kind} at (u, v) = ({}, {})",
+                face.face,
+                face.degenerate_normals.len(),
+                uv[0],
+                uv[1]
+            )
+        },
+    );
     let slivers: Vec<_> = report.faces.iter().filter(|face| face.is_sliver).collect();
-    list(&mut lines, "slivers", &slivers, |face| {
+    list(&mut lines, &coded("slivers", CODES.sliver), &slivers, |face| {
         format!("face {}: {:.3e} wide on the whole", face.face, face.mean_width)
     });
     list(&mut lines, "not judged", &report.notes, |note| escaped(note).to_string());
@@ -187,6 +200,10 @@ fn list<T>(lines: &mut Vec<String>, what: &str, items: &[T], line: impl Fn(&T) -
     if LINES < items.len() {
         lines.push("  …".to_owned());
     }
+}
+
+fn coded(what: &str, code: &str) -> String {
+    format!("{what} ({code})")
 }
 
 fn of(border: &Named) -> String {
