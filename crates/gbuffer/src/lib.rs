@@ -3,7 +3,7 @@
 //! All renderers fill the same [`GBuffer`]; it goes to and from files as NumPy's `.npz` ([`GBuffer::write_npz`],
 //! [`GBuffer::read_npz`]). Pictures are made from it afterwards, by one [`Shading`] for all ([`GBuffer::shaded`]), whose
 //! WGSL twin is `shaders/shade.wgsl`; along trim edges they are blended ([`GBuffer::resolved`]) where a renderer was asked for
-//! them; a [`Picture`] goes to a PNG file. A [`Quantity`] is drawn as numbers ([`GBuffer::plotted`]), highlight lines by
+//! them; a [`Picture`] goes to a PNG file. A [`Quantity`], and any number a pixel, is drawn by a [`Scale`] ([`GBuffer::plotted`]), highlight lines by
 //! [`GBuffer::highlighted`].
 
 mod bits;
@@ -19,6 +19,7 @@ mod npz;
 mod picture;
 mod plot;
 mod resolve;
+mod scale;
 mod shade;
 
 pub use bits::{Unlike, UnlikeNumber};
@@ -30,4 +31,5 @@ pub use hit::{EDGE_REACH_PX, Hit, LocalParameters, PrincipalCurvatures};
 pub use picture::Picture;
 pub use plot::Quantity;
 pub use resolve::{Mixture, coverage};
+pub use scale::Scale;
 pub use shade::{ShadeInput, ShadeKind, ShadeUniform, Shading, background, shade_pixel, shade_tolerant, unorm8};

@@ -96,6 +96,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     }
     args.gbuffer.iter().try_for_each(|path| output::check(path, "npz"))?;
     let Document { model: original, unit, .. } = args.model.document()?;
+    let other = args.look.other_version()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&original, viewport)?;
     let drawn = args.approximate.drawn(&original, &camera, viewport)?;
@@ -130,7 +131,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         open += buffer.undecided();
         if shows {
             // A range that is found is that of the first sample.
-            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length));
+            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length, other.as_ref()));
             let picture = painter.painted(&buffer, model, camera)?;
             seen.iter_mut().zip(buffer.pixels()).for_each(|(seen, hit)| *seen += u32::from(hit.is_some()));
             let picture = if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture };
