@@ -289,6 +289,11 @@ impl LookArgs {
         })
     }
 
+    /// Whether nothing is behind the model.
+    pub fn is_transparent(&self) -> bool {
+        self.background == Some(Behind::Nothing)
+    }
+
     /// What would not show in a drawing of lines.
     pub fn given_of_pictures(&self) -> Option<&'static str> {
         let given =
