@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod bless;
 pub mod ci;
+pub mod figures;
 pub mod geiger;
 pub mod kanai;
 pub mod legal;

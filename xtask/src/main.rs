@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use isophote::{commands, entry};
 use std::process::ExitCode;
-use xtask::{bench, bless, ci, geiger, kanai, legal, mutants, strict, variants};
+use xtask::{bench, bless, ci, figures, geiger, kanai, legal, mutants, strict, variants};
 
 /// Isophote and what its developers need
 #[derive(Parser)]
@@ -25,6 +25,7 @@ enum Command {
     Strict(strict::StrictArgs),
     Bench(bench::BenchArgs),
     Bless(bless::BlessArgs),
+    Figures(figures::FiguresArgs),
     Ci(ci::CiArgs),
 }
 
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         Command::Strict(args) => strict::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Bless(args) => done(bless::run(&args)),
+        Command::Figures(args) => done(figures::run(&args)),
         Command::Ci(args) => ci::run(&args),
     })
 }

@@ -16,5 +16,5 @@ mod write;
 mod writer;
 
 pub use error::ExportError;
-pub use write::{WRITERS, export, writer_of};
+pub use write::{WRITERS, export, exported, writer_of};
 pub use writer::{Asked, Beside, Fill, Ready, Writer, Written};

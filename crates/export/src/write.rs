@@ -26,6 +26,28 @@ pub fn writer_of(path: &Path) -> Result<&'static dyn Writer, ExportError> {
     })
 }
 
+/// The bytes of a document in a format. What a file would name beside it, as materials of an OBJ file, is left out, and a note
+/// says so.
+///
+/// # Errors
+/// [`ExportError::Error`], those of the writer, and [`ExportError::Io`].
+pub fn exported(writer: &dyn Writer, document: &Document, asked: Asked) -> Result<(Written, Vec<u8>), ExportError> {
+    is_legal(asked)?;
+    let ready = writer.prepare("model", document, asked)?;
+    let mut bytes = vec![];
+    (ready.fill)(&mut bytes)?;
+    let mut written = ready.written;
+    written.notes.extend(ready.beside.map(|beside| format!("{} is named, and not written", beside.name)));
+    Ok((written, bytes))
+}
+
+fn is_legal(asked: Asked) -> Result<(), ExportError> {
+    match 0.0 < asked.error && asked.error.is_finite() {
+        true => Ok(()),
+        false => Err(ExportError::Error(asked.error)),
+    }
+}
+
 /// Writes a document to a file of the format that its extension names, whole or not at all. What it names is written first, so
 /// that a file that is there is complete.
 ///
@@ -33,9 +55,7 @@ pub fn writer_of(path: &Path) -> Result<&'static dyn Writer, ExportError> {
 /// [`ExportError::UnknownExtension`], [`ExportError::Error`], those of the writer, and [`ExportError::Io`].
 pub fn export(path: &Path, document: &Document, asked: Asked) -> Result<Written, ExportError> {
     let writer = writer_of(path)?;
-    if asked.error.is_nan() || asked.error <= 0.0 || asked.error.is_infinite() {
-        return Err(ExportError::Error(asked.error));
-    }
+    is_legal(asked)?;
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let ready = writer.prepare(&stem, document, asked)?;
     if let Some(Beside { name, fill }) = ready.beside {

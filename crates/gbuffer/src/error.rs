@@ -203,6 +203,14 @@ pub enum GBufferError {
         /// Width and height of the second.
         b: [usize; 2],
     },
+    /// A picture is too large for JPEG.
+    #[error("{width}x{height} pixels are too many for JPEG, which has 65535 along each side")]
+    Jpeg {
+        /// Width, pixels.
+        width: usize,
+        /// Height, pixels.
+        height: usize,
+    },
     /// The PNG writer refused.
     #[error("{}: {reason}", path.display())]
     Png {

@@ -3,13 +3,14 @@
 //! All renderers fill the same [`GBuffer`]; it goes to and from files as NumPy's `.npz` ([`GBuffer::write_npz`],
 //! [`GBuffer::read_npz`]). Pictures are made from it afterwards, by one [`Shading`] for all ([`GBuffer::shaded`]), whose
 //! WGSL twin is `shaders/shade.wgsl`; along trim edges they are blended ([`GBuffer::resolved`]) where a renderer was asked for
-//! them; a [`Picture`] goes to a PNG file. A [`Quantity`] is drawn as numbers ([`GBuffer::plotted`]), highlight lines by
+//! them; the numbers themselves go to an OpenEXR file ([`GBuffer::write_exr`]); a [`Picture`] goes to a PNG file. A [`Quantity`], and any number a pixel, is drawn by a [`Scale`] ([`GBuffer::plotted`]), highlight lines by
 //! [`GBuffer::highlighted`].
 
 mod bits;
 mod buffer;
 mod columns;
 mod error;
+mod exr;
 mod highlight;
 mod hit;
 mod legend;
@@ -19,6 +20,7 @@ mod npz;
 mod picture;
 mod plot;
 mod resolve;
+mod scale;
 mod shade;
 
 pub use bits::{Unlike, UnlikeNumber};
@@ -30,4 +32,5 @@ pub use hit::{EDGE_REACH_PX, Hit, LocalParameters, PrincipalCurvatures};
 pub use picture::Picture;
 pub use plot::Quantity;
 pub use resolve::{Mixture, coverage};
+pub use scale::Scale;
 pub use shade::{ShadeInput, ShadeKind, ShadeUniform, Shading, background, shade_pixel, shade_tolerant, unorm8};

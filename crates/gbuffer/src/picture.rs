@@ -6,6 +6,7 @@
 use crate::GBufferError;
 use crate::shade::background;
 use colorous::VIRIDIS;
+use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 use std::io::{self, Write};
@@ -16,6 +17,9 @@ const LEGEND_WIDTH: usize = 24;
 
 /// Pixels between pictures that stand side by side.
 const GAP: usize = 8;
+
+/// Of 100: bands of isophotes show no blocks.
+const JPEG_QUALITY: u8 = 95;
 
 /// Ticks of a legend: both ends and each quarter.
 const TICKS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -128,6 +132,21 @@ impl Picture {
         };
         let rgba: Vec<[u8; 4]> = self.rgb.iter().zip(alpha).map(|(rgb, alpha)| over(rgb, *alpha)).collect();
         self.encode(&mut bytes, rgba.as_flattened(), ExtendedColorType::Rgba8).map_err(unwritable)?;
+        Ok(bytes)
+    }
+
+    /// The picture as the bytes of a JPEG file, of quality [`JPEG_QUALITY`]: sharp edges are not kept as they are.
+    ///
+    /// # Errors
+    /// [`GBufferError::Jpeg`] where there are too many pixels for the format.
+    pub fn jpeg(&self) -> Result<Vec<u8>, GBufferError> {
+        let too_large = || GBufferError::Jpeg { width: self.width, height: self.height };
+        let side = |pixels: usize| u16::try_from(pixels).map_err(|_| too_large());
+        let (width, height) = (side(self.width)?, side(self.height)?);
+        let mut bytes = vec![];
+        JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
+            .write_image(self.rgb.as_flattened(), width.into(), height.into(), ExtendedColorType::Rgb8)
+            .map_err(|_| too_large())?;
         Ok(bytes)
     }
 

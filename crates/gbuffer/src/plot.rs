@@ -2,17 +2,9 @@
 //!
 //! Unlike a [`Shading`](crate::Shading) a plot has no light in it: one colour is one number, wherever it is seen.
 
-use crate::legend::number;
-use crate::shade::{UNKNOWN_COLOUR, diverging_colour};
-use crate::{GBuffer, Hit, Picture, background, unorm8};
-use colorous::VIRIDIS;
+use crate::shade::UNKNOWN_COLOUR;
+use crate::{GBuffer, Hit, Picture, Scale, background, unorm8};
 use glam::DVec3;
-
-/// The shares of the values below the ends of a range that is found: single wild ones do not stretch it.
-const PERCENTILES: [f64; 2] = [0.05, 0.95];
-
-/// Values that differ by less than this share of their size are one, as a sphere's; a range then reaches a tenth of it further.
-const ALIKE: f64 = 1e-5;
 
 /// What is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,52 +54,35 @@ impl Quantity {
         !matches!(self, Self::MinRadius | Self::MaxRadius)
     }
 
-    /// The range of what a picture shows: from its 5th percentile to its 95th, and as far below nought as above where the sign
-    /// has a meaning. Of one value, or none, a range about it.
-    pub fn range(self, buffer: &GBuffer) -> [f64; 2] {
-        let mut values: Vec<f64> =
-            buffer.pixels().flatten().filter_map(|hit| self.value(hit)).filter(|x| x.is_finite()).collect();
-        values.sort_by(f64::total_cmp);
-        let at =
-            |share: f64| values.get(((values.len() as f64 - 1.0) * share).round() as usize).copied().unwrap_or(0.0);
-        let [low, high] = PERCENTILES.map(at);
-        let size = low.abs().max(high.abs());
-        match (size, self.is_signed()) {
-            (0.0, true) => [-1.0, 1.0],
-            (0.0, false) => [0.0, 1.0],
-            (size, true) => [-size, size],
-            (size, false) if high - low <= ALIKE * size => [low - 0.1 * size, high + 0.1 * size],
-            (_, false) => [low, high],
-        }
+    /// The scale of what a picture shows ([`Scale::of`]).
+    pub fn scale(self, buffer: &GBuffer) -> Scale {
+        Scale::of(buffer.pixels().flatten().filter_map(|hit| self.value(hit)), self.is_signed())
     }
 
-    /// The colour of a value in a range; beyond its ends that of the nearer one.
-    fn colour(self, value: f64, [low, high]: [f64; 2]) -> [u8; 3] {
-        if self.is_signed() && low < 0.0 && high > 0.0 {
-            let x = if value < 0.0 { -(value / low) } else { value / high };
-            return unorm8(diverging_colour(x.clamp(-1.0, 1.0) as f32));
-        }
-        VIRIDIS.eval_continuous(((value - low) / (high - low)).clamp(0.0, 1.0)).into_array()
-    }
-
-    /// The legend of a range, as high as a picture: numbers, with the unit above them.
-    pub fn legend(self, range: [f64; 2], length: &str, height: usize) -> Picture {
-        let [low, high] = range;
-        let at = |t: f64| low + (high - low) * t;
-        let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|t| (t, number(at(t))));
-        Picture::numbered_legend(height, &self.unit(length), &ticks, |t| self.colour(at(t), range))
+    /// Its colours over a range that is given.
+    pub fn scaled(self, range: [f64; 2]) -> Scale {
+        Scale { range, is_signed: self.is_signed() }
     }
 }
 
 impl GBuffer {
-    /// A quantity in colours, from the low end of a range to its high one. Hits without it are grey.
-    pub fn plotted(&self, quantity: Quantity, range: [f64; 2]) -> Picture {
-        let colour = |hit: Option<&Hit>| match hit.map(|hit| quantity.value(hit)) {
-            None => background(),
-            Some(None) => unorm8(UNKNOWN_COLOUR),
-            Some(Some(value)) => quantity.colour(value, range),
+    /// A quantity in colours. Hits without it are grey.
+    pub fn plotted(&self, quantity: Quantity, scale: Scale) -> Picture {
+        let values: Vec<Option<f64>> = self.pixels().map(|hit| quantity.value(hit?)).collect();
+        self.coloured(&values, scale)
+    }
+
+    /// A number a pixel in colours, row by row. Hits without one are grey; what is beside the model shows the background.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than pixels.
+    pub fn coloured(&self, values: &[Option<f64>], scale: Scale) -> Picture {
+        let colour = |(i, hit): (usize, Option<&Hit>)| match (hit, values[i]) {
+            (None, _) => background(),
+            (Some(_), None) => unorm8(UNKNOWN_COLOUR),
+            (Some(_), Some(value)) => scale.colour(value),
         };
-        let (viewport, rgb) = (self.viewport(), self.pixels().map(colour).collect());
+        let (viewport, rgb) = (self.viewport(), self.pixels().enumerate().map(colour).collect());
         Picture::new(viewport.width(), viewport.height(), rgb).expect("a viewport of colours")
     }
 }
@@ -115,6 +90,7 @@ impl GBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shade::diverging_colour;
     use crate::{Meta, PrincipalCurvatures};
     use glam::DVec2;
     use nurbs::{KnotVector, Normal, Surface};
@@ -171,11 +147,11 @@ mod tests {
         let of = |values: &[f64]| buffer(values.iter().map(|&k| Some(hit(Some([k, k]), DVec3::Z))).collect());
         let mut values: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
         values[0] = 1e9;
-        let [low, high] = Quantity::Mean.range(&of(&values));
+        let [low, high] = Quantity::Mean.scale(&of(&values)).range;
         assert!(low == -high && (0.9..1.0).contains(&high), "{low} {high}");
-        let [low, high] = Quantity::MinRadius.range(&of(&[2.0; 10]));
+        let [low, high] = Quantity::MinRadius.scale(&of(&[2.0; 10])).range;
         assert!(low < 0.5 && 0.5 < high, "a sphere's one radius is inside: {low} {high}");
-        assert_eq!(Quantity::Mean.range(&buffer(vec![None])), [-1.0, 1.0]);
+        assert_eq!(Quantity::Mean.scale(&buffer(vec![None])).range, [-1.0, 1.0]);
     }
 
     #[test]
@@ -183,7 +159,7 @@ mod tests {
         let hits =
             [Some(0.0), Some(5.0), Some(1.0), Some(-9.0), Some(-0.5)].map(|k| k.map(|k| hit(Some([k, k]), DVec3::Z)));
         let hits = hits.into_iter().chain([Some(hit(None, DVec3::Z)), None]).collect();
-        let picture = buffer(hits).plotted(Quantity::Mean, [-0.5, 1.0]);
+        let picture = buffer(hits).plotted(Quantity::Mean, Quantity::Mean.scaled([-0.5, 1.0]));
         let row: Vec<[u8; 3]> = (0..7).map(|x| picture.pixel(x, 0)).collect();
         assert_eq!(row[0], unorm8(diverging_colour(0.0)));
         assert_eq!((row[1], row[3]), (row[2], row[4]));

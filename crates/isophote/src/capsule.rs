@@ -100,13 +100,15 @@ pub fn run(args: &CapsuleArgs) -> Result<()> {
 }
 
 fn record(args: &RecordArgs) -> Result<()> {
+    // Before a picture is drawn for nothing.
     args.gbuffer.iter().try_for_each(|path| output::check(path, "npz"))?;
+    let folder = args.out.clone().unwrap_or_else(|| PathBuf::from("out/capsule"));
+    let _lock = output::claim(&folder)?;
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let stage = Stage::new(&model, camera, viewport, Plan { edges: false, ..args.drawing.plan() })?;
     let (contents, drawn) = recorded(&stage, args.drawing.adapter.as_deref())?;
-    let folder = args.out.clone().unwrap_or_else(|| PathBuf::from("out/capsule"));
     contents.write(&folder)?;
     args.gbuffer.iter().try_for_each(|path| drawn.write_npz(path))?;
     say!("a capsule of {} files is in {}", contents.capsule().files.len() + 1, folder.display())

@@ -1,4 +1,5 @@
-//! `compare`: render by all three, or take what others rendered, compare, and show a person the answer.
+//! `compare`: render by all three, or take what others rendered, compare, and show a person the answer. Two models are measured
+//! from each other.
 
 mod answer;
 mod args;
@@ -11,6 +12,7 @@ mod report;
 mod saved;
 mod table;
 mod verdict;
+mod versions;
 
 pub use args::{CompareArgs, DrawingArgs, Shade};
 pub use saved::{Saved, SavedComparison, SavedFile};
@@ -38,7 +40,11 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     }
     let is_saved = |subject: &&String| Path::new(subject).extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     let subjects: Vec<&String> = args.subjects.iter().collect();
-    match (subjects.iter().copied().partition::<Vec<_>, _>(is_saved), &args.of_model) {
+    let (files, models) = subjects.iter().copied().partition::<Vec<_>, _>(is_saved);
+    if args.within.is_some() && models.len() < 2 {
+        bail!("--within goes with two models, and is the distance that is allowed between them");
+    }
+    match ((files, models), &args.of_model) {
         ((_, models), _) if models.is_empty() && args.approximate.is_asked() => {
             bail!("--approximate draws a model, and saved G-buffers are drawn already")
         }
@@ -46,11 +52,12 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
         ((files, models), None) if files.is_empty() && models.len() == 1 => {
             rendered::run(args, &ModelArgs { model: models[0].clone(), strict: args.strict })
         }
+        ((files, models), None) if files.is_empty() && models.len() == 2 => versions::run(args, [models[0], models[1]]),
         ((_, models), Some(_)) => {
             bail!("--model names what saved G-buffers (.npz) show, and {:?} is not one", models[0])
         }
         ((_, models), None) => bail!(
-            "compare takes one model, or one or two saved G-buffers (.npz) and their model by --model; {:?} is no .npz",
+            "compare takes one model or two, or one or two saved G-buffers (.npz) and their model by --model; {:?} is no .npz",
             models[0]
         ),
     }

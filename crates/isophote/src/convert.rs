@@ -5,7 +5,7 @@ use crate::{number, output, say, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use export::mesh::Facts;
-use export::{Asked, Written, export, writer_of};
+use export::{Asked, Written, export, exported, writer_of};
 use scene::escaped;
 use std::path::PathBuf;
 
@@ -29,8 +29,8 @@ const USUAL_SHARE: f64 = 1e-3;
 pub struct ConvertArgs {
     #[command(flatten)]
     model: ModelArgs,
-    /// The file to write: .json, .step, .stp, .obj, .stl or .glb
-    #[arg(long, value_name = "FILE")]
+    /// The file to write: .json, .step, .stp, .obj, .stl or .glb; `-.step` and so on for standard output
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true)]
     out: PathBuf,
     /// How far a triangle may be from its surface [default: 1/1000 of the model's diagonal]
     #[arg(long, value_name = "LEN", value_parser = number::positive, allow_hyphen_values = true)]
@@ -44,7 +44,10 @@ pub struct ConvertArgs {
 pub fn run(args: &ConvertArgs) -> Result<()> {
     // Before a large file is read for nothing.
     let writer = writer_of(&args.out)?;
-    output::check_place(&args.out)?;
+    let is_standard = output::is_standard(&args.out);
+    if !is_standard {
+        output::check_place(&args.out)?;
+    }
     if args.error.is_some() && !writer.is_tessellated() {
         bail!(
             "--error is how far triangles may be from the surface, and {} has the surfaces themselves",
@@ -56,12 +59,24 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
     let bar = terminal::progress("faces", document.model.faces().len());
     let asked = Asked { error, progress: &|faces| bar.set_position(faces as u64) };
     let path = args.out.display().to_string();
-    let written = export(&args.out, &document, asked).with_context(|| escaped(&path).to_string())?;
+    let written = if is_standard {
+        let (written, bytes) = exported(writer, &document, asked)?;
+        output::write(&args.out, &bytes)?;
+        written
+    } else {
+        export(&args.out, &document, asked).with_context(|| escaped(&path).to_string())?
+    };
     bar.finish_and_clear();
     for note in &written.notes {
         terminal::note(format_args!("note: {}: {}", escaped(&path), escaped(note)));
     }
-    say!("{}", told(&path, writer.name(), error, &written))
+    let told = told(&path, writer.name(), error, &written);
+    // Standard output has the file's bytes and nothing else.
+    if is_standard {
+        terminal::note(format_args!("{told}"));
+        return Ok(());
+    }
+    say!("{told}")
 }
 
 /// What was written: the last line says the most.

@@ -38,6 +38,7 @@ pub mod study;
 pub mod technique;
 pub mod terminal;
 pub mod text;
+pub mod versions;
 pub mod view;
 pub mod viewer;
 pub mod with;

@@ -84,24 +84,16 @@ fn plane(text: &str) -> Result<Plane, String> {
     along_axis().or_else(general).ok_or("it is neither like z=1.5 nor like 0,0.6,0.8:1.5".to_owned())
 }
 
-/// Whether a file of this name holds lines.
-pub fn is_lines(path: &Path) -> bool {
-    ending(path).is_some()
-}
-
-/// The ending of a name that is one of lines.
-fn ending(path: &Path) -> Option<&'static str> {
-    let own = path.extension()?;
-    ["svg", "dxf"].into_iter().find(|ending| own.eq_ignore_ascii_case(ending))
-}
+/// The endings of files that hold lines.
+pub const ENDINGS: [&str; 2] = ["svg", "dxf"];
 
 impl LineArgs {
-    /// Options that say nothing of a file are refused.
+    /// Options that say nothing of a kind of file are refused.
     ///
     /// # Errors
     /// Which option, and what it goes with.
-    pub fn check(&self, out: Option<&Path>, look: &LookArgs) -> Result<()> {
-        let Some(ending) = out.and_then(ending) else {
+    pub fn check(&self, kind: Option<&str>, look: &LookArgs) -> Result<()> {
+        let Some(ending) = kind.filter(|kind| ENDINGS.contains(kind)) else {
             let given = [
                 (!self.lines.is_empty(), "--lines"),
                 (!self.section.is_empty(), "--section"),
@@ -161,13 +153,14 @@ impl LineArgs {
         Ok(families)
     }
 
-    /// Writes the lines of a model.
+    /// Writes the lines of a model, of a kind of [`ENDINGS`].
     ///
     /// # Errors
     /// Where the shading has no lines, or the file cannot be written.
     pub fn write(
         &self,
         path: &Path,
+        kind: &str,
         look: &LookArgs,
         model: &Model,
         camera: &Camera,
@@ -191,8 +184,8 @@ impl LineArgs {
         if !drawing.lines.iter().any(|line| line.is_seen || self.hidden) {
             terminal::note(format_args!("note: none of these lines is seen"));
         }
-        let text = match ending(path) {
-            Some("dxf") => dxf(&drawing, self.hidden),
+        let text = match kind {
+            "dxf" => dxf(&drawing, self.hidden),
             _ => svg(&drawing, camera, viewport, model.name(), self.hidden),
         };
         output::write(path, text.as_bytes())

@@ -6,12 +6,15 @@ mod panel;
 mod words;
 
 use crate::number;
+use crate::versions::{Measured, Nearest};
+use crate::view::ModelArgs;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use gbuffer::{GBuffer, Lamps, Picture, Quantity, ShadeKind, Shading, background};
+use gbuffer::{GBuffer, Lamps, Picture, Quantity, Scale, ShadeKind, Shading, background};
 use glam::DVec3;
 use lines::Family;
 use scene::{Camera, Model};
+use std::sync::Arc;
 
 /// Stripes of a zebra, and lamps of highlight lines, unless told.
 const DEFAULT_STRIPES: u32 = 17;
@@ -41,6 +44,9 @@ pub struct LookArgs {
     /// The direction that a mould is pulled in, for `draft` [default: 0 0 1]
     #[arg(long, hide_short_help = true, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
     pull: Option<Vec<f64>>,
+    /// The other version that `deviation` is measured to: a model file or built-in name
+    #[arg(long, hide_short_help = true, value_name = "MODEL")]
+    against: Option<String>,
     /// Range of a map of numbers: A:B, or `auto` [default: auto]
     ///
     /// `auto` reaches from the 5th to the 95th percentile of what is seen; where a sign has a meaning, as far below nought as
@@ -82,6 +88,8 @@ pub enum Look {
     MaxRadius,
     /// The angle to the direction of --pull
     Draft,
+    /// The distance to another version of the model (--against): above 0 on the normal's side
+    Deviation,
 }
 
 /// A range that is asked for.
@@ -124,15 +132,16 @@ fn behind(text: &str) -> Result<Behind, String> {
 }
 
 /// How pictures are painted.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone)]
 enum Kind {
     Shaded(Shading),
-    Plotted(Quantity, [f64; 2]),
+    Plotted(Quantity, Scale),
     Highlighted(Lamps),
+    Deviating(Arc<Nearest>, Scale),
 }
 
 /// Paints G-buffers of one view.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Painter {
     kind: Kind,
     behind: Option<Behind>,
@@ -149,19 +158,23 @@ impl LookArgs {
     pub fn check(&self) -> Result<()> {
         let is = |looks: &[Look]| self.goes(looks);
         let (striped, lit) = (self.is_striped(), self.is_lit());
-        let mapped = self.quantity().is_some();
+        let mapped = self.is_mapped();
         for (given, goes, option, with) in [
             (self.bands.is_some(), is(&[Look::Isophotes]), "--bands", "isophotes"),
             (self.stripes.is_some(), striped, "--stripes", "zebra or highlight"),
             (self.stripe_direction.is_some(), striped, "--stripe-direction", "zebra or highlight"),
             (self.light.is_some(), lit, "--light", "phong, isophotes or highlight"),
             (self.pull.is_some(), is(&[Look::Draft]), "--pull", "draft"),
-            (self.range.is_some(), mapped, "--range", "gaussian, mean, min-radius, max-radius or draft"),
+            (self.range.is_some(), mapped, "--range", "gaussian, mean, min-radius, max-radius, draft or deviation"),
+            (self.against.is_some(), is(&[Look::Deviation]), "--against", "deviation"),
             (self.legend, mapped || is(&[Look::Isophotes]), "--legend", "isophotes or a map of numbers"),
         ] {
             if given && !goes {
                 bail!("{option} goes with --shade {with}");
             }
+        }
+        if is(&[Look::Deviation]) && self.against.is_none() {
+            bail!("--shade deviation goes with --against MODEL, the other version");
         }
         for (option, vector) in [("--light", &self.light), ("--pull", &self.pull)] {
             if vector.as_ref().is_some_and(|v| vector_of(v).try_normalize().is_none()) {
@@ -173,7 +186,7 @@ impl LookArgs {
 
     /// The shading that a GPU has a program for; `None` where the picture is made of a G-buffer.
     pub fn shaded(&self) -> Option<Shading> {
-        let is_plain = self.quantity().is_none() && self.shade != Look::Highlight;
+        let is_plain = !self.is_mapped() && self.shade != Look::Highlight;
         let has_ground = matches!(self.background, Some(Behind::Colour(_)));
         self.shading().ok().filter(|_| is_plain && !has_ground)
     }
@@ -191,13 +204,14 @@ impl LookArgs {
     /// The same options for something else to show; those that say nothing of it are gone.
     pub fn showing(self, shade: Look) -> Self {
         let look = Self { shade, ..self };
-        let mapped = look.quantity().is_some();
+        let mapped = look.is_mapped();
         Self {
             bands: look.bands.filter(|_| look.goes(&[Look::Isophotes])),
             stripes: look.stripes.filter(|_| look.is_striped()),
             stripe_direction: look.stripe_direction.filter(|_| look.is_striped()),
             light: look.light.clone().filter(|_| look.is_lit()),
             pull: look.pull.clone().filter(|_| look.goes(&[Look::Draft])),
+            against: look.against.clone().filter(|_| look.goes(&[Look::Deviation])),
             // Of another quantity it would be a range of other numbers.
             range: None,
             legend: look.legend && (mapped || look.goes(&[Look::Isophotes])),
@@ -213,18 +227,42 @@ impl LookArgs {
         self.goes(&[Look::Zebra, Look::Highlight])
     }
 
-    /// How a view is painted of which `first` is seen; `length` names the model's unit.
-    pub fn painter(&self, first: &GBuffer, length: &str) -> Painter {
-        let kind = match (self.quantity(), self.shade) {
-            (Some(quantity), _) => Kind::Plotted(
-                quantity,
-                match self.range {
-                    Some(Range::Given(range)) => range,
-                    Some(Range::Auto) | None => quantity.range(first),
-                },
-            ),
-            (None, Look::Highlight) => Kind::Highlighted(self.lamps()),
-            (None, _) => Kind::Shaded(self.shading().expect("`check` has looked at it")),
+    /// Whether another version is measured.
+    pub fn is_measured(&self) -> bool {
+        self.shade == Look::Deviation
+    }
+
+    /// Whether numbers are drawn.
+    fn is_mapped(&self) -> bool {
+        self.quantity().is_some() || self.is_measured()
+    }
+
+    /// The version that deviations are measured to, made ready; `None` where none are drawn.
+    ///
+    /// # Errors
+    /// Where it cannot be opened.
+    pub fn other_version(&self) -> Result<Option<Arc<Nearest>>> {
+        let name = self.against.as_deref().filter(|_| self.is_measured());
+        name.map(|name| Ok(Arc::new(Nearest::new(ModelArgs::named(name).open()?)))).transpose()
+    }
+
+    /// How a view is painted of which `first` is seen; `length` names the model's unit, and `other` is [`Self::other_version`].
+    pub fn painter(&self, first: &GBuffer, length: &str, other: Option<&Arc<Nearest>>) -> Painter {
+        let given = match self.range {
+            Some(Range::Given(range)) => Some(range),
+            Some(Range::Auto) | None => None,
+        };
+        let kind = match (self.quantity(), other.filter(|_| self.is_measured()), self.shade) {
+            (Some(quantity), ..) => {
+                Kind::Plotted(quantity, given.map_or_else(|| quantity.scale(first), |range| quantity.scaled(range)))
+            }
+            (None, Some(other), _) => {
+                let found = || Measured::new(first, other, &|_| {}).deviations().into_iter().flatten();
+                let scale = |range| Scale { range, is_signed: true };
+                Kind::Deviating(other.clone(), given.map_or_else(|| Scale::of(found(), true), scale))
+            }
+            (None, None, Look::Highlight) => Kind::Highlighted(self.lamps()),
+            (None, None, _) => Kind::Shaded(self.shading().expect("`check` has looked at it")),
         };
         Painter { kind, behind: self.background, legend: self.legend, length: length.to_owned() }
     }
@@ -249,6 +287,11 @@ impl LookArgs {
             }
             _ => None,
         })
+    }
+
+    /// Whether nothing is behind the model.
+    pub fn is_transparent(&self) -> bool {
+        self.background == Some(Behind::Nothing)
     }
 
     /// What would not show in a drawing of lines.
@@ -307,7 +350,10 @@ impl Painter {
     pub fn painted(&self, buffer: &GBuffer, model: &Model, camera: &Camera) -> Result<Picture> {
         let picture = match &self.kind {
             Kind::Shaded(shading) => buffer.shaded(shading, model, camera)?,
-            Kind::Plotted(quantity, range) => buffer.plotted(*quantity, *range),
+            Kind::Plotted(quantity, scale) => buffer.plotted(*quantity, *scale),
+            Kind::Deviating(other, scale) => {
+                buffer.coloured(&Measured::new(buffer, other, &|_| {}).deviations(), *scale)
+            }
             Kind::Highlighted(lamps) => buffer.highlighted(lamps, model, camera)?,
         };
         Ok(match self.behind {
@@ -321,7 +367,8 @@ impl Painter {
         match &self.kind {
             _ if !self.legend => None,
             Kind::Shaded(shading) => shading.legend(height),
-            Kind::Plotted(quantity, range) => Some(quantity.legend(*range, &self.length, height)),
+            Kind::Plotted(quantity, scale) => Some(scale.legend(&quantity.unit(&self.length), height)),
+            Kind::Deviating(_, scale) => Some(scale.legend(&self.length, height)),
             Kind::Highlighted(_) => None,
         }
     }
@@ -329,7 +376,7 @@ impl Painter {
     /// The range of a map of numbers.
     pub fn range(&self) -> Option<[f64; 2]> {
         match &self.kind {
-            Kind::Plotted(_, range) => Some(*range),
+            Kind::Plotted(_, scale) | Kind::Deviating(_, scale) => Some(scale.range),
             Kind::Shaded(_) | Kind::Highlighted(_) => None,
         }
     }

@@ -3,6 +3,7 @@
 use crate::terminal;
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
+use std::ffi::OsStr;
 use std::path::Path;
 
 /// The path that stands for standard output.
@@ -24,23 +25,42 @@ pub fn claim(folder: &Path) -> Result<files::Lock> {
     files::lock(folder).with_context(|| folder.display().to_string())
 }
 
-/// Whether a path stands for standard output.
+/// Whether a path stands for standard output: `-`, or `-.svg` where a command writes files of several kinds.
 pub fn is_standard(path: &Path) -> bool {
-    path == Path::new(STANDARD)
+    path.file_stem() == Some(OsStr::new(STANDARD)) && path.components().count() == 1
 }
 
-/// Refuses a path that cannot be written, before there is anything to write: its name must end in `.` and `ending`, unless a
-/// pipe or a device is there, and its folder is made.
+/// Which of the kinds of file that a command writes a path is to hold, by its ending; refuses what cannot be written, before there
+/// is anything to write. The folder is made. Standard output, a pipe or a device without one of these endings holds the first kind.
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn check(path: &Path, ending: &str) -> Result<()> {
-    let place = || path.display().to_string();
+pub fn kind(path: &Path, endings: &[&'static str]) -> Result<&'static str> {
+    let own = path.extension();
+    let known = endings.iter().find(|ending| own.is_some_and(|own| own.eq_ignore_ascii_case(ending)));
     let is_file = std::fs::metadata(path).map_or(true, |there| there.is_file() || there.is_dir());
-    if is_file && !path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending)) {
-        bail!("{}: its name must end in .{ending}, which is what is written", place());
+    let is_plain = if is_standard(path) { own.is_some() } else { is_file };
+    let kind = match (known, endings) {
+        (Some(kind), _) => kind,
+        (None, [first, ..]) if !is_plain => first,
+        (None, [only]) => bail!("{}: its name must end in .{only}, which is what is written", path.display()),
+        (None, _) => {
+            let all = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ");
+            bail!("{}: its name must end in one of {all}, which are what is written", path.display())
+        }
+    };
+    if !is_standard(path) {
+        check_place(path)?;
     }
-    check_place(path)
+    Ok(kind)
+}
+
+/// Refuses a path that cannot be written as one kind of file, as [`kind`] does.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn check(path: &Path, ending: &'static str) -> Result<()> {
+    kind(path, &[ending]).map(|_| ())
 }
 
 /// Refuses a path at which nothing can be written, whatever its name, before there is anything to write; its folder is made.
@@ -54,7 +74,7 @@ pub fn check_place(path: &Path) -> Result<()> {
     files::check(path).with_context(|| path.display().to_string())
 }
 
-/// Writes a file, whole or not at all; to standard output where the path is `-`.
+/// Writes a file, whole or not at all, or to standard output.
 ///
 /// # Errors
 /// Where it cannot be written.

@@ -3,7 +3,7 @@
 use crate::antialias::Antialias;
 use crate::approximate::ApproximateArgs;
 use crate::compare::DrawingArgs;
-use crate::lines::{LineArgs, is_lines};
+use crate::lines::{ENDINGS, LineArgs};
 use crate::look::{LookArgs, Painter};
 use crate::masks::MaskReport;
 use crate::output;
@@ -46,30 +46,46 @@ pub struct RenderArgs {
     look: LookArgs,
     #[command(flatten)]
     lines: LineArgs,
-    /// Write a picture (X.png, `-`) or lines (X.svg, X.dxf)
+    /// Write a picture (X.png, X.jpg), numbers (X.exr) or lines (X.svg, X.dxf)
     ///
-    /// `-` is standard output.
+    /// `-` is standard output, and a PNG picture; `-.svg` is it, too, and SVG, and so for each kind.
+    ///
+    /// EXR holds position, normal, curvatures, parameters and face of each pixel, in f32, whatever --shade says.
     ///
     /// Lines are curves on the surface itself, cut where they are hidden. SVG holds them as the picture shows them, in pixels, DXF in
     /// space, in model units. Folders on the way are made. What cannot be written is refused before anything is drawn.
-    #[arg(long, help_heading = "Output", value_name = "X.png")]
+    #[arg(long, help_heading = "Output", value_name = "X.png", allow_hyphen_values = true)]
     out: Option<PathBuf>,
     /// Smooth edges
     ///
     /// With 4, 8 or 16 a pixel is the mean of so many samples, in linear light; `trims` smooths trim edges alone, at one.
     #[arg(long, help_heading = "Output", value_enum, default_value = "none")]
     antialias: Antialias,
-    /// Write the G-buffer to this NumPy file
+    /// Write the G-buffer to this NumPy file, or to standard output (`-`)
     ///
     /// With --antialias there is one a sample, X-0.npz, X-1.npz …, each with the lens shift of its sample in its camera, so
     /// that `compare` judges it by itself.
-    #[arg(long, help_heading = "Output", value_name = "X.npz")]
+    #[arg(long, help_heading = "Output", value_name = "X.npz", allow_hyphen_values = true)]
     gbuffer: Option<PathBuf>,
     /// Draw shared edges by their class
     ///
     /// A is green, B blue, C orange, undecided purple, none red; free ones are grey.
     #[arg(long, help_heading = "Output", value_enum)]
     overlay: Option<OverlayKind>,
+}
+
+/// The kinds of file that `--out` writes, by their endings.
+const KINDS: [&str; 6] = ["png", "jpg", "jpeg", "exr", ENDINGS[0], ENDINGS[1]];
+
+impl RenderArgs {
+    /// Options that say nothing of the numbers of an EXR file are refused.
+    fn check_numbers(&self) -> Result<()> {
+        let of_pictures = self.look.given_of_pictures().or(self.overlay.map(|_| "--overlay"));
+        match of_pictures.or((self.antialias != Antialias::None).then_some("--antialias")) {
+            Some(option) => bail!("{option} goes with a picture, and .exr holds numbers"),
+            None => Ok(()),
+        }
+    }
 }
 
 /// What is drawn over a picture.
@@ -86,16 +102,31 @@ enum OverlayKind {
 pub fn run(args: &RenderArgs) -> Result<()> {
     // Before a large file is read for nothing.
     args.look.check()?;
-    let lines = args.out.as_deref().filter(|path| is_lines(path));
-    args.lines.check(args.out.as_deref(), &args.look)?;
+    let kind = args.out.as_deref().map(|path| output::kind(path, &KINDS)).transpose()?;
+    args.lines.check(kind, &args.look)?;
+    let lines = args.out.as_deref().zip(kind.filter(|kind| ENDINGS.contains(kind)));
+    let numbers = args.out.as_deref().filter(|_| kind == Some("exr"));
     if lines.is_some() && (args.overlay.is_some() || args.antialias != Antialias::None) {
         bail!("--overlay and --antialias go with a picture, and --out is one of lines");
     }
-    for path in args.out.iter().filter(|path| !output::is_standard(path)) {
-        output::check(path, lines.and(path.extension()).and_then(OsStr::to_str).unwrap_or("png"))?;
+    if numbers.is_some() {
+        args.check_numbers()?;
     }
-    args.gbuffer.iter().try_for_each(|path| output::check(path, "npz"))?;
+    let is_jpeg = matches!(kind, Some("jpg" | "jpeg"));
+    if is_jpeg && args.look.is_transparent() {
+        bail!("--background transparent goes with PNG, and JPEG has no transparency");
+    }
+    if let Some(path) = &args.gbuffer {
+        output::check(path, "npz")?;
+        if output::is_standard(path) && args.out.as_deref().is_some_and(output::is_standard) {
+            bail!("--out and --gbuffer both write to standard output");
+        }
+        if output::is_standard(path) && args.antialias.pattern().positions().len() > 1 {
+            bail!("--gbuffer - is one G-buffer, and --antialias makes one a sample");
+        }
+    }
     let Document { model: original, unit, .. } = args.model.document()?;
+    let other = args.look.other_version()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&original, viewport)?;
     let drawn = args.approximate.drawn(&original, &camera, viewport)?;
@@ -103,16 +134,16 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if let Some(drawn) = &drawn {
         terminal::note(format_args!("{}", drawn.facts.line()));
     }
-    if let Some(path) = lines {
-        args.lines.write(path, &args.look, model, &camera, viewport)?;
+    if let Some((path, kind)) = lines {
+        args.lines.write(path, kind, &args.look, model, &camera, viewport)?;
         if args.gbuffer.is_none() {
             return Ok(());
         }
     }
     let count = args.antialias.pattern().positions().len();
     let mut paths = args.gbuffer.as_ref().map(|path| files(path, count).into_iter());
-    let painted = args.out.as_ref().filter(|_| lines.is_none());
-    let shows = painted.is_some() || (args.gbuffer.is_none() && terminal::is_terminal());
+    let painted = args.out.as_ref().filter(|_| lines.is_none() && numbers.is_none());
+    let shows = painted.is_some() || (args.out.is_none() && args.gbuffer.is_none() && terminal::is_terminal());
     let bar = (count > 1).then(|| terminal::progress("samples", count));
     let overlay = args.overlay.filter(|_| shows).map(|OverlayKind::Continuity| {
         let millimetres = unit.as_ref().map_or(1.0, |unit| unit.millimetres);
@@ -124,13 +155,18 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let mut seen = vec![0u32; viewport.pixels()];
     each_sample(args, model, camera, viewport, |camera, buffer| {
         if let Some(path) = paths.as_mut().and_then(Iterator::next) {
-            buffer.write_npz(path)?;
+            write_gbuffer(path.as_path(), &buffer)?;
+        }
+        if let Some(path) = numbers {
+            let mut bytes = vec![];
+            buffer.write_exr(&mut bytes)?;
+            output::write(path, &bytes)?;
         }
         covered += buffer.covered();
         open += buffer.undecided();
         if shows {
             // A range that is found is that of the first sample.
-            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length));
+            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length, other.as_ref()));
             let picture = painter.painted(&buffer, model, camera)?;
             seen.iter_mut().zip(buffer.pixels()).for_each(|(seen, hit)| *seen += u32::from(hit.is_some()));
             let picture = if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture };
@@ -149,6 +185,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if let Some(painter) = painter {
         let picture = Picture::average(&pictures)?;
         match painted {
+            Some(path) if is_jpeg => output::write(path, &painter.with_legend(&picture).jpeg()?)?,
             Some(path) => output::write(path, &painter.png(&picture, &seen, count)?)?,
             None => terminal::show(&painter.with_legend(&picture))?,
         }
@@ -198,6 +235,14 @@ fn each_sample(
             };
             pattern.cameras(&camera, viewport).iter().try_for_each(|camera| keep(camera, cast(camera)))
         }
+    }
+}
+
+/// Writes a G-buffer to a file, or to standard output.
+fn write_gbuffer(path: &Path, buffer: &GBuffer) -> Result<()> {
+    match output::is_standard(path) {
+        true => output::write(path, &buffer.npz_bytes()?),
+        false => Ok(buffer.write_npz(path)?),
     }
 }
 

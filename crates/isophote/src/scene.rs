@@ -23,7 +23,7 @@ pub struct SceneArgs {
     #[command(flatten)]
     view: ViewArgs,
     /// Write to this file instead of standard output; folders on the way are made
-    #[arg(long, help_heading = "Output", value_name = "X.json")]
+    #[arg(long, help_heading = "Output", value_name = "X.json", allow_hyphen_values = true)]
     out: Option<PathBuf>,
 }
 
@@ -32,7 +32,7 @@ pub struct SceneArgs {
 /// # Errors
 /// Where input is bad or the file cannot be written.
 pub fn run(args: &SceneArgs) -> Result<()> {
-    args.out.iter().filter(|path| !output::is_standard(path)).try_for_each(|path| output::check(path, "json"))?;
+    args.out.iter().try_for_each(|path| output::check(path, "json"))?;
     let model = args.model.open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;

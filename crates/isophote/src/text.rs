@@ -69,6 +69,15 @@ fn edits(a: &str, b: &str) -> usize {
     table[a.len()][b.len()]
 }
 
+/// A count with its thousands apart.
+pub fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let first = digits.len() % 3;
+    let groups = digits.as_bytes()[first..].chunks(3).map(|group| group.iter().map(|&b| char::from(b)).collect());
+    let head = (first > 0).then(|| digits[..first].to_owned());
+    head.into_iter().chain(groups).collect::<Vec<String>>().join(",")
+}
+
 /// A JSON document with the same meaning, in which hidden characters stand as `\uXXXX`: they occur in strings alone.
 pub fn escaped_json(text: &str) -> Cow<'_, str> {
     replaced(
@@ -85,6 +94,15 @@ pub fn escaped_json(text: &str) -> Cow<'_, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn thousands_stand_apart() {
+        let cases =
+            [(0, "0"), (12, "12"), (999, "999"), (1_000, "1,000"), (92_011, "92,011"), (1_234_567, "1,234,567")];
+        for (count, text) in cases {
+            assert_eq!(grouped(count), text);
+        }
+    }
 
     const BAD: &str = "a\u{1b}]0;pwn\u{7}\u{1b}[2J\u{202e}b\u{9b}31m\u{2066}\u{200b}\nall agree\u{e0041}";
 

@@ -9,7 +9,7 @@ mod session;
 use crate::output;
 use crate::with::With;
 use ::view::{Display, ViewError};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use scene::escaped;
 
 pub use args::ViewerArgs;
@@ -24,6 +24,9 @@ pub use session::{Saved, Session};
 pub fn run(args: &ViewerArgs) -> Result<()> {
     // Before a large file is read for nothing.
     args.look.check()?;
+    if args.look.is_measured() {
+        bail!("--shade deviation goes with `isophote render` and `isophote compare`");
+    }
     args.out.iter().try_for_each(|path| output::check(path, "png"))?;
     let display = Display::open().map_err(|error| match error {
         ViewError::NoDisplay { .. } => {

@@ -30,13 +30,18 @@ fn each_document_keeps_to_its_schema_and_a_broken_one_does_not() {
         ("info-1.json", printed(&["info", "sphere"])),
         ("info-1.json", printed(&["info", "islands"])),
         ("info-1.json", printed(&["info", &format!("{}/../../testdata/step/layers.step", env!("CARGO_MANIFEST_DIR"))])),
+        ("versions-1.json", printed(&["compare", "islands", "petal", "--size", "24x24", "--within", "0.2"])),
+        (
+            "versions-1.json",
+            printed(&["compare", "islands", "petal", "--eye", "9", "0", "0", "--target", "10", "0", "0"]),
+        ),
         ("eval-1.json", json_of(&["eval", "sphere"])),
     ];
     for (name, mut document) in documents {
         let schema = jsonschema::validator_for(&schema(name)).expect("a schema");
         let faults: Vec<String> = schema.iter_errors(&document).map(|fault| fault.to_string()).collect();
         assert!(faults.is_empty(), "{name}: {faults:?}");
-        let place = ["/pairs/0/verdict", "/faces/0/degree", "/queries/0/results/0/S"]
+        let place = ["/pairs/0/verdict", "/faces/0/degree", "/queries/0/results/0/S", "/seen"]
             .into_iter()
             .find(|p| document.pointer(p).is_some());
         *document.pointer_mut(place.expect("a place")).expect("it is there") = json!("perhaps");

@@ -139,3 +139,75 @@ fn a_terminal_that_does_not_answer_is_not_waited_for() {
         assert_eq!(sequences.count(), 0, "{term}: {shown}");
     }
 }
+
+/// The bytes that a command writes to standard output.
+fn piped(arguments: &[&str]) -> Vec<u8> {
+    let output = command(arguments).output().expect("isophote starts");
+    assert!(output.status.success(), "{arguments:?}: {}", words(&output));
+    output.stdout
+}
+
+#[test]
+fn every_kind_of_file_goes_to_standard_output_as_it_goes_to_a_file() {
+    let drawn = ["render", "islands", "--size", "24x24"];
+    for (ending, first) in [
+        ("png", &b"\x89PNG"[..]),
+        ("jpg", b"\xff\xd8"),
+        ("exr", b"\x76\x2f\x31\x01"),
+        ("svg", b"<svg"),
+        ("dxf", b"0\nSECTION"),
+    ] {
+        let path = place("kinds", &format!("picture.{ending}"));
+        piped(&[&drawn[..], &["--out", &path.display().to_string()]].concat());
+        let file = fs::read(&path).expect("a file");
+        assert!(file.trim_ascii_start().starts_with(first), "{ending}: {:?}", &file[..12]);
+        assert_eq!(piped(&[&drawn[..], &["--out", &format!("-.{ending}")]].concat()), file, "{ending}");
+    }
+    assert!(piped(&[&drawn[..], &["--out", "-"]].concat()).starts_with(b"\x89PNG"));
+    assert!(piped(&[&drawn[..], &["--gbuffer", "-"]].concat()).starts_with(b"PK"));
+    for ending in ["json", "step", "obj", "stl", "glb"] {
+        let path = place("models", &format!("model.{ending}"));
+        piped(&["convert", "islands", "--out", &path.display().to_string()]);
+        let file = fs::read(&path).expect("a file");
+        assert_eq!(piped(&["convert", "islands", "--out", &format!("-.{ending}")]), file, "{ending}");
+    }
+}
+
+#[test]
+fn what_cannot_be_written_is_refused_before_anything_is_drawn() {
+    // Each of these would take minutes to draw.
+    let large = ["quilt-100000", "--size", "4000x4000"];
+    let nowhere = |name: &str| format!("/dev/null/nowhere/{name}");
+    for (command_line, name) in [
+        (&["render", "--out"][..], nowhere("x.png")),
+        (&["render", "--out"], nowhere("x.exr")),
+        (&["render", "--out"], nowhere("x.svg")),
+        (&["render", "--gbuffer"], nowhere("x.npz")),
+        (&["render", "--out"], "picture.gif".to_owned()),
+        (&["render", "--out"], "-.gif".to_owned()),
+        (&["render", "--gbuffer"], "-.png".to_owned()),
+        (&["render", "--gbuffer", "-", "--out"], "-".to_owned()),
+        (&["render", "--antialias", "4", "--gbuffer"], "-".to_owned()),
+        (&["render", "--antialias", "4", "--out"], "-.exr".to_owned()),
+        (&["render", "--legend", "--out"], "-.exr".to_owned()),
+        (&["render", "--background", "transparent", "--out"], "-.jpg".to_owned()),
+        (&["scene", "--out"], nowhere("x.json")),
+        (&["scene", "--out"], "-.png".to_owned()),
+        (&["compare", "--out"], nowhere("out")),
+        (&["compare", "--report"], nowhere("x.html")),
+        (&["study", "--out"], nowhere("out")),
+        (&["capsule", "--out"], nowhere("out")),
+        (&["capsule", "--gbuffer"], nowhere("x.npz")),
+    ] {
+        let begun = std::time::Instant::now();
+        let output = command(&command_line[..1]).args(large).args(&command_line[1..]).arg(&name).output();
+        let output = output.expect("isophote starts");
+        assert_eq!(output.status.code(), Some(2), "{command_line:?} {name}: {}", words(&output));
+        assert!(begun.elapsed().as_secs() < 5, "{command_line:?} {name}: {:?}", begun.elapsed());
+        assert!(output.stdout.is_empty(), "{command_line:?} {name}");
+    }
+    for name in [nowhere("x.step"), "-.png".to_owned(), "-".to_owned()] {
+        let output = command(&["convert", "quilt-100000", "--out", &name]).output().expect("isophote starts");
+        assert_eq!(output.status.code(), Some(2), "{name}: {}", words(&output));
+    }
+}

@@ -65,13 +65,12 @@ impl<'s> Projector<'s> {
     /// The surface point nearest to `point`, as far as searches from `near` and from the nearest samples find it.
     ///
     /// A search from `near` that ends within `enough` (model units) is taken at once, so that points in a row stay on
-    /// one sheet. Each search is Newton's method on the squared distance (Piegl & Tiller, Sec. 6.1), damped as
-    /// Levenberg and Marquardt do where that does not come nearer, and held to the domain. No bound says that a
+    /// one sheet. Each search is [`Surface::nearest_in`] over the whole domain. No bound says that a
     /// nearer point does not exist; for a point on the surface the distance is its own proof.
     pub fn nearest(&self, point: DVec3, near: Option<DVec2>, enough: f64) -> Projection {
         let mut best = Projection { uv: DVec2::ZERO, distance: f64::INFINITY };
         if let Some(uv) = near {
-            best = self.search(point, uv);
+            best = self.surface.nearest_in(point, self.surface.domain(), uv);
             if best.distance <= enough {
                 return best;
             }
@@ -86,19 +85,24 @@ impl<'s> Projector<'s> {
             }
         }
         for (_, seed) in seeds {
-            let found = self.search(point, seed);
+            let found = self.surface.nearest_in(point, self.surface.domain(), seed);
             if found.distance < best.distance {
                 best = found;
             }
         }
         best
     }
+}
 
-    fn search(&self, point: DVec3, seed: DVec2) -> Projection {
-        let [[u0, u1], [v0, v1]] = self.surface.domain();
+impl Surface {
+    /// The nearest point to `point` that a search from `seed` finds over the part \[\[u0, u1\], \[v0, v1\]\] of the domain.
+    ///
+    /// Newton's method on the squared distance (Piegl & Tiller, Sec. 6.1), damped as Levenberg and Marquardt do where that does not
+    /// come nearer; at most 60 steps. No bound says that a nearer point does not exist.
+    pub fn nearest_in(&self, point: DVec3, [[u0, u1], [v0, v1]]: [[f64; 2]; 2], seed: DVec2) -> Projection {
         let (min, max) = (DVec2::new(u0, v0), DVec2::new(u1, v1));
         let mut uv = seed.clamp(min, max);
-        let mut d = self.surface.second_derivatives(uv.x, uv.y);
+        let mut d = self.second_derivatives(uv.x, uv.y);
         let mut distance = d.s.distance(point);
         let mut damping = 0.0;
         for _ in 0..STEPS {
@@ -127,7 +131,7 @@ impl<'s> Projector<'s> {
             if next == uv {
                 break;
             }
-            let there = self.surface.second_derivatives(next.x, next.y);
+            let there = self.second_derivatives(next.x, next.y);
             let to_go = there.s.distance(point);
             if to_go < distance {
                 (uv, d, distance) = (next, there, to_go);

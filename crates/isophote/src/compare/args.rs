@@ -25,20 +25,24 @@ use techniques::{DEFAULT_CHORD_PX, Technique};
 /// camera and size; their model is the built-in one that they name, or --model. What they say of themselves allows them
 /// nothing: --technique exact allows them no chord, and only --trim texture allows them masks.
 ///
+/// compare A.step B.step measures two versions of a surface: at each pixel of A how far the nearest point of B is, in model units,
+/// and by how much its tangent plane is turned (docs/versions.md).
+///
 /// With --antialias every sample of every pixel is rendered and judged, as strictly as a pixel's centre is; pixels count
 /// once for each sample, and the pictures are the samples' mean.
 ///
-/// Exit code 0: all pairs agree; 1: some pixel differs, or too many have no verdict; 2: something could not run (no adapter
-/// counts), or nobody shows anything.
+/// Exit code 0: all pairs agree; 1: some pixel differs, too many have no verdict, or a version is beyond --within; 2: something
+/// could not run (no adapter counts), or nobody shows anything.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   isophote compare part.step                    three renderers, one verdict
   isophote compare teapot --view top --out out  pictures and report.json, too
   isophote compare yours.npz                    judge a renderer of your own
+  isophote compare old.step new.step            how far the new version is off
   isophote compare part.step --no-gpu           where there is no GPU to judge")]
 pub struct CompareArgs {
-    /// A model file or built-in model, or one or two saved G-buffers (.npz)
+    /// One or two models, by file or built-in name, or one or two saved G-buffers (.npz)
     ///
     /// `isophote info --list` names the built-in models.
     #[arg(value_name = "MODEL|FILE.npz", num_args = 1..=2, default_value = "teapot")]
@@ -51,6 +55,9 @@ pub struct CompareArgs {
     /// A face left out, a loop dropped and a wide gap closed are such.
     #[arg(long)]
     pub(super) strict: bool,
+    /// How far the second of two models may be from the first, model units
+    #[arg(long, value_name = "LENGTH", value_parser = number::not_negative, allow_hyphen_values = true)]
+    pub(super) within: Option<f64>,
     #[command(flatten)]
     pub(super) view: ViewArgs,
     #[command(flatten)]

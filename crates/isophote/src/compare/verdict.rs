@@ -1,5 +1,6 @@
 //! The answer in one plain line: the last that is printed.
 
+use crate::text::grouped;
 use compare::{Diagnosis, PairReport, Verdict};
 use std::collections::BTreeSet;
 
@@ -79,15 +80,6 @@ fn agreement(pairs: &[PairReport]) -> String {
     format!("{who} agree on {all}{off}{left_out}.")
 }
 
-/// A count with its thousands apart.
-fn grouped(count: usize) -> String {
-    let digits = count.to_string();
-    let first = digits.len() % 3;
-    let groups = digits.as_bytes()[first..].chunks(3).map(|group| group.iter().map(|&b| char::from(b)).collect());
-    let head = (first > 0).then(|| digits[..first].to_owned());
-    head.into_iter().chain(groups).collect::<Vec<String>>().join(",")
-}
-
 /// A number of four digits that keeps them where it is small.
 pub(super) fn short(x: f64) -> String {
     match x.abs() {
@@ -95,19 +87,5 @@ pub(super) fn short(x: f64) -> String {
         size if (1e-3..1e4).contains(&size) => format!("{x:.4}"),
         size if size.is_finite() => format!("{x:.1e}"),
         _ => "without bound".to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thousands_stand_apart() {
-        let cases =
-            [(0, "0"), (12, "12"), (999, "999"), (1_000, "1,000"), (92_011, "92,011"), (1_234_567, "1,234,567")];
-        for (count, text) in cases {
-            assert_eq!(grouped(count), text);
-        }
     }
 }

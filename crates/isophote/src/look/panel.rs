@@ -25,7 +25,8 @@ impl LookArgs {
         let before = self.words();
         let mut shade = self.shade;
         ComboBox::from_label("shading").selected_text(value_name(&shade)).show_ui(ui, |ui| {
-            for look in Look::value_variants() {
+            // What is measured to another version is drawn by `render`.
+            for look in Look::value_variants().iter().filter(|look| **look != Look::Deviation) {
                 ui.selectable_value(&mut shade, *look, value_name(look));
             }
         });

@@ -22,7 +22,16 @@ impl LookArgs {
             Behind::Colour([r, g, b]) => words::option("--background", format!("#{r:02x}{g:02x}{b:02x}")),
             Behind::Nothing => words::option("--background", "transparent"),
         });
+        let against = self.against.iter().map(|name| words::option("--against", name));
         let legend = words::flag("--legend", self.legend);
-        shade.chain(numbers).chain(stripes).chain(vectors).chain(range).chain(legend).chain(behind).collect()
+        shade
+            .chain(numbers)
+            .chain(stripes)
+            .chain(vectors)
+            .chain(against)
+            .chain(range)
+            .chain(legend)
+            .chain(behind)
+            .collect()
     }
 }

@@ -433,7 +433,7 @@ impl<'d> Session<'d> {
         let start = Instant::now();
         let buffer =
             self.drawer.gbuffer(scene(&self.document.model, self.camera, self.viewport, &self.drawing), false)?;
-        let painter = self.look.painter(&buffer, &self.length());
+        let painter = self.look.painter(&buffer, &self.length(), None);
         self.picture = Some(painter.painted(&buffer, &self.document.model, &self.camera)?);
         (self.at_rest, self.painter, self.shown) = (Some(buffer), Some(painter), Shown::AtRest);
         (self.took, self.frames) = (start.elapsed(), self.frames + 1);
@@ -453,7 +453,7 @@ impl<'d> Session<'d> {
             Some(picture) => picture,
             None => {
                 let buffer = self.drawer.gbuffer(scene, true)?;
-                let painter = self.painter.insert(self.look.painter(&buffer, &self.length()));
+                let painter = self.painter.insert(self.look.painter(&buffer, &self.length(), None));
                 painter.painted(&buffer, &self.document.model, &self.camera)?
             }
         });
