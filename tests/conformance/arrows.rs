@@ -22,6 +22,22 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("continuity", &["nurbs", "scene"]),
     ("lines", &["nurbs", "scene"]),
     ("view", &["nurbs", "scene", "gbuffer"]),
+    (
+        "suite",
+        &[
+            "files",
+            "scene",
+            "formats",
+            "models",
+            "gbuffer",
+            "pipeline",
+            "raster",
+            "gpu",
+            "raycast",
+            "compare",
+            "techniques",
+        ],
+    ),
     ("techniques", &["lanes", "nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
 ];
 

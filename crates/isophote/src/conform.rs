@@ -3,18 +3,15 @@
 pub mod answer;
 pub mod check;
 pub mod compilers;
-pub mod corpus;
 pub mod dawn;
 pub mod foreign;
 pub mod html;
 pub mod junit;
 pub mod merge;
 pub mod own;
-pub mod report;
-pub mod run;
-pub mod shard;
 pub mod table;
-pub mod wrong;
+
+pub use suite::{corpus, report, run, shard, wrong};
 
 use crate::terminal;
 use answer::{OutputArgs, claim, finish};

@@ -1,7 +1,7 @@
 //! The corpus: portable scenes, each named by what it stresses, and what a suite takes of them.
 
+use crate::named;
 use crate::stage::Plan;
-use crate::view::ModelArgs;
 use glam::DVec3;
 use pipeline::Scheme;
 use pipeline::mask::{MaskOptions, Trimming};
@@ -323,7 +323,7 @@ impl Scene {
     /// # Errors
     /// Where it cannot be read, or there is nothing to look at: why, in words.
     pub fn open(&self) -> Result<Model, String> {
-        let model = ModelArgs::named(self.model).read().map_err(|error| error.to_string())?.model;
+        let model = named::document(self.model).map_err(|error| error.to_string())?.model;
         let size = model.hull().diagonal();
         if 0.0 < size && size.is_finite() { Ok(model) } else { Err(format!("its box is {size} across")) }
     }

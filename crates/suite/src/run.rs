@@ -1,14 +1,13 @@
 //! A run: each case rendered by ray caster and CPU rasterizer once, by each adapter, and compared in all pairs.
 
-use super::compilers::unlike;
-use super::corpus::{Corpus, Scene, Suite, Viewpoint};
-use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
-use super::shard::Shard;
-use super::wrong::Vacuity;
-use crate::compare::pictures::difference;
+use crate::corpus::{Corpus, Scene, Suite, Viewpoint};
+use crate::difference::Map;
 use crate::embedded::data_uri;
+use crate::progress::{progress, step};
+use crate::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
+use crate::shard::Shard;
 use crate::stage::{OnGpu, Plan, Stage};
-use crate::terminal;
+use crate::wrong::Vacuity;
 use anyhow::{Context, Result};
 use compare::PairReport;
 use gbuffer::{GBuffer, ShadeKind, Shading};
@@ -116,6 +115,12 @@ pub fn absent(wanted: &str, why: String) -> Subject {
     }
 }
 
+/// Pixels in which two G-buffers of one stage are not the same to the last bit; where one has a number that is none, so it is
+/// not the same.
+pub fn unlike(a: &GBuffer, b: &GBuffer) -> usize {
+    a.pixels().zip(b.pixels()).filter(|(a, b)| a != b).count()
+}
+
 /// What to run: a suite, or a list of scenes treated as it treats its own.
 pub struct Plans {
     /// The suite.
@@ -187,7 +192,7 @@ impl Plans {
         stop: &AtomicBool,
         keep: &mut dyn FnMut(&Report) -> Result<()>,
     ) -> Result<()> {
-        let bar = terminal::progress("conform", report.expected().len());
+        let bar = progress("conform", report.expected().len());
         let mine: Vec<&'static Scene> = self
             .scenes
             .iter()
@@ -196,7 +201,7 @@ impl Plans {
             .map(|(_, scene)| *scene)
             .collect();
         for (done, &scene) in mine.iter().enumerate() {
-            terminal::step(format_args!("conform: scene {} of {}, {}", done + 1, mine.len(), scene.name));
+            step(format_args!("conform: scene {} of {}, {}", done + 1, mine.len(), scene.name));
             let model = match scene.open() {
                 Ok(model) => model,
                 Err(error) => {
@@ -352,7 +357,9 @@ impl Sitting<'_> {
                 outcome.pairs = pairs
                     .into_iter()
                     .map(|(pair, reference)| {
-                        let map = keeps.then(|| data_uri(&difference(&stage.camera, reference, drawn)).ok()).flatten();
+                        let map = keeps
+                            .then(|| data_uri(&Map::new(&stage.camera, reference, drawn).picture()).ok())
+                            .flatten();
                         Pair { difference: map, ..pair }
                     })
                     .collect();

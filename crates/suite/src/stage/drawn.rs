@@ -1,7 +1,7 @@
 //! A model, seen: everything the three renderers need, made once, and what they return.
 
 use super::plan::{Path, Plan};
-use crate::terminal;
+use crate::progress::{note, progress};
 use anyhow::Result;
 use compare::{Claims, Interpolation, StandIn, VertexNormals};
 use gbuffer::{GBuffer, Meta, Picture, Shading, Trims};
@@ -82,7 +82,7 @@ impl<'m> Stage<'m> {
         let prepared = plan.prepared(model, &scene, &camera, viewport)?;
         if let Some(kept) = prepared.built_px().filter(|kept| *kept > plan.chord_px) {
             let (asked, triangles) = (plan.chord_px, prepared.triangles());
-            terminal::note(format_args!(
+            note(format_args!(
                 "note: a chord error of {asked} px takes more than it may from here; {triangles} triangles keep to {kept:.3} px"
             ));
         }
@@ -163,7 +163,7 @@ impl<'m> Stage<'m> {
 
     /// The CPU's G-buffer.
     pub fn raster(&self) -> GBuffer {
-        let bar = terminal::progress("raster", self.viewport.pixels());
+        let bar = progress("raster", self.viewport.pixels());
         self.rasterizer(self.options()).render(self.meta("raster"), &|pixels| bar.inc(pixels as u64))
     }
 
@@ -174,7 +174,7 @@ impl<'m> Stage<'m> {
 
     /// The ray caster's G-buffer.
     pub fn raycast(&self, caster: &Caster) -> GBuffer {
-        let bar = terminal::progress("raycast", self.viewport.height());
+        let bar = progress("raycast", self.viewport.height());
         caster.render(&self.camera, self.viewport, &|rows| bar.inc(rows as u64))
     }
 
