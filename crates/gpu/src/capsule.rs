@@ -20,6 +20,6 @@ mod tape;
 pub use answer::gbuffer;
 pub use document::{ANSWER_FILE, Answer, CAPSULE_FILE, Capsule, Host};
 pub use error::CapsuleError;
-pub use folder::{Contents, Played};
+pub use folder::{Contents, Played, Reader};
 pub use play::play;
 pub use record::Recording;

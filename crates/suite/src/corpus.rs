@@ -201,8 +201,7 @@ pub struct PlannedCase {
 impl Corpus {
     /// What `scenes` are in a suite. One whose model cannot be read is a single case, which will say why.
     pub fn new(suite: Suite, scenes: &[&'static Scene]) -> Self {
-        let side = suite.side();
-        let viewport = Viewport::new(side, side).expect("a legal size");
+        let (side, viewport) = (suite.side(), suite.viewport());
         let mut corpus = Self { suite, scenes: vec![], cases: vec![], hash: String::new() };
         let mut hash = files::Hash::new();
         let mut add = |text: &str| {
@@ -280,6 +279,11 @@ impl Suite {
             Self::Smoke | Self::Standard => 64,
             Self::Full => 128,
         }
+    }
+
+    /// The size of its pictures.
+    pub fn viewport(self) -> Viewport {
+        Viewport::new(self.side(), self.side()).expect("a legal size")
     }
 
     /// The scenes that it runs.

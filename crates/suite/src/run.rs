@@ -12,9 +12,10 @@ use anyhow::{Context, Result};
 use compare::PairReport;
 use gbuffer::{GBuffer, ShadeKind, Shading};
 use gpu::GpuError;
+use gpu::capsule::Host;
 use pipeline::Scheme;
 use raycast::Caster;
-use scene::{Model, Viewport};
+use scene::Model;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -76,6 +77,21 @@ impl Adapter for Gpu {
             Some(GpuError::Lost { .. } | GpuError::Timeout { .. }) => DrawError::Lost(format!("{error:#}")),
             _ => DrawError::Refused(format!("{error:#}")),
         })
+    }
+}
+
+/// What draws by a capsule, on a machine that is called `host`.
+pub fn by_capsule(drawn_by: &Host, host: &str) -> Subject {
+    let Host { adapter, driver, backend, compiler } = drawn_by.clone();
+    Subject {
+        id: format!("{adapter} | {driver} | {backend} | {host} | {compiler}"),
+        name: adapter,
+        kind: "other".to_owned(),
+        driver,
+        backend,
+        compiler,
+        host: host.to_owned(),
+        failure: None,
     }
 }
 
@@ -164,6 +180,11 @@ impl Plans {
         Corpus::new(self.suite, &self.scenes)
     }
 
+    /// The scenes of its shard.
+    pub fn mine(&self) -> impl Iterator<Item = &'static Scene> {
+        self.scenes.iter().enumerate().filter(|(place, _)| self.shard.holds(*place)).map(|(_, scene)| *scene)
+    }
+
     /// What stands in the report for a scene whose model cannot be read.
     fn unread(&self, scene: &Scene, error: String) -> Case {
         Case {
@@ -193,45 +214,56 @@ impl Plans {
         keep: &mut dyn FnMut(&Report) -> Result<()>,
     ) -> Result<()> {
         let bar = progress("conform", report.expected().len());
-        let mine: Vec<&'static Scene> = self
-            .scenes
-            .iter()
-            .enumerate()
-            .filter(|(place, _)| self.shard.holds(*place))
-            .map(|(_, scene)| *scene)
-            .collect();
+        let mine: Vec<&'static Scene> = self.mine().collect();
         for (done, &scene) in mine.iter().enumerate() {
             step(format_args!("conform: scene {} of {}, {}", done + 1, mine.len(), scene.name));
-            let model = match scene.open() {
-                Ok(model) => model,
-                Err(error) => {
-                    report.cases.push(self.unread(scene, error));
-                    bar.inc(1);
-                    keep(report)?;
-                    continue;
-                }
-            };
-            let caster = Caster::new(&model);
-            for &viewpoint in self.suite.viewpoints(scene) {
-                let side = self.suite.side();
-                let viewport = Viewport::new(side, side).expect("a legal size");
-                let camera = viewpoint.camera(&model, viewport);
-                let raycast = caster.render(&camera, viewport, &|_| {});
-                for (number, plan) in self.suite.plans(scene).into_iter().enumerate() {
-                    bar.set_message(scene.name);
-                    let pictured = number == 0 && viewpoint == scene.viewpoints[0];
-                    // The judge looks at values, not at the program that they come of.
-                    let tries_wrong = self.suite == Suite::Full && plan.scheme == Scheme::Specialised;
-                    let case =
-                        Sitting { scene, model: &model, caster: &caster, raycast: &raycast, pictured, tries_wrong };
-                    case.judge(viewpoint, camera, plan, adapters, report);
-                    bar.inc(1);
-                    if stop.load(Ordering::Relaxed) {
-                        return keep(report);
-                    }
-                }
-                keep(report)?;
+            bar.set_message(scene.name);
+            self.run_scene(scene, adapters, report, stop, &mut |report| {
+                bar.set_position(report.cases.len() as u64);
+                keep(report)
+            })?;
+            if stop.load(Ordering::Relaxed) {
+                break;
             }
+        }
+        Ok(())
+    }
+
+    /// Runs one of its scenes, as [`Self::run`] does.
+    ///
+    /// # Errors
+    /// Those of `keep`.
+    pub fn run_scene(
+        &self,
+        scene: &'static Scene,
+        adapters: &mut [Box<dyn Adapter>],
+        report: &mut Report,
+        stop: &AtomicBool,
+        keep: &mut dyn FnMut(&Report) -> Result<()>,
+    ) -> Result<()> {
+        let model = match scene.open() {
+            Ok(model) => model,
+            Err(error) => {
+                report.cases.push(self.unread(scene, error));
+                return keep(report);
+            }
+        };
+        let caster = Caster::new(&model);
+        for &viewpoint in self.suite.viewpoints(scene) {
+            let viewport = self.suite.viewport();
+            let camera = viewpoint.camera(&model, viewport);
+            let raycast = caster.render(&camera, viewport, &|_| {});
+            for (number, plan) in self.suite.plans(scene).into_iter().enumerate() {
+                let pictured = number == 0 && viewpoint == scene.viewpoints[0];
+                // The judge looks at values, not at the program that they come of.
+                let tries_wrong = self.suite == Suite::Full && plan.scheme == Scheme::Specialised;
+                let case = Sitting { scene, model: &model, caster: &caster, raycast: &raycast, pictured, tries_wrong };
+                case.judge(viewpoint, camera, plan, adapters, report);
+                if stop.load(Ordering::Relaxed) {
+                    return keep(report);
+                }
+            }
+            keep(report)?;
         }
         Ok(())
     }

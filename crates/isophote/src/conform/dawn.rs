@@ -1,7 +1,7 @@
 //! Dawn as an adapter: each stage's capsule is played by the Node program in `hosts/node`, whose compiler is Tint.
 
 use super::report::Subject;
-use super::run::{Adapter, DrawError, host};
+use super::run::{Adapter, DrawError, by_capsule, host};
 use crate::capsule::recorded;
 use crate::stage::{OnGpu, Plan, Stage};
 use crate::view::ModelArgs;
@@ -54,17 +54,7 @@ impl Dawn {
 
 impl Adapter for Dawn {
     fn subject(&self) -> Subject {
-        let Host { adapter, driver, backend, compiler } = self.host.clone();
-        Subject {
-            id: format!("{adapter} | {driver} | {backend} | {} | {compiler}", host()),
-            name: adapter,
-            kind: "other".to_owned(),
-            driver,
-            backend,
-            compiler,
-            host: host(),
-            failure: None,
-        }
+        by_capsule(&self.host, &host())
     }
 
     fn draw(&mut self, stage: &Stage) -> Result<OnGpu, DrawError> {
