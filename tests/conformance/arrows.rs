@@ -42,7 +42,7 @@ const ARROWS: &[(&str, &[&str])] = &[
 ];
 
 /// On top of all: these may use any crate. `isophote` is what users run, and the others drive it.
-const ON_TOP: &[&str] = &["isophote", "python", "xtask", "conformance", "processors", "fuzz"];
+const ON_TOP: &[&str] = &["isophote", "python", "xtask", "conformance", "processors", "judge", "fuzz"];
 
 /// Crates and the workspace crates that they use, not counting what only their own tests use.
 fn drawn(metadata: &Value) -> BTreeMap<String, BTreeSet<String>> {
