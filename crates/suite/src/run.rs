@@ -95,9 +95,10 @@ pub fn by_capsule(drawn_by: &Host, host: &str) -> Subject {
     }
 }
 
-/// Operating system and processor family.
+/// Operating system and processor family; the second alone where there is no such system, as in a browser.
 pub fn host() -> String {
-    format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH)
+    let (system, family) = (std::env::consts::OS, std::env::consts::ARCH);
+    if system.is_empty() { family.to_owned() } else { format!("{system}-{family}") }
 }
 
 /// What the CPU rasterizer is called, and how its identity begins.

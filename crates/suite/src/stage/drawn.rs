@@ -211,6 +211,11 @@ impl<'m> Stage<'m> {
         self.plan.path.renderer(device, &self.scene, &self.prepared, options)
     }
 
+    /// Whether the GPU's own rasterizer draws corners: its grid moves them.
+    pub fn snaps_corners(&self) -> bool {
+        self.plan.path == Path::Fragment && self.plan.technique.claims() == Claims::Chord
+    }
+
     /// What [`Self::gpu`] returns, by a renderer of this stage or of the one whose sample it is.
     ///
     /// # Errors
@@ -221,8 +226,7 @@ impl<'m> Stage<'m> {
         let shaded = shading
             .map(|shading| renderer.shaded(&self.views, &shading.uniform(&self.camera, size), self.viewport))
             .transpose()?;
-        let is_rasterized = self.plan.path == Path::Fragment && self.plan.technique.claims() == Claims::Chord;
-        let grid = if is_rasterized { renderer.measured_grid()? } else { None };
+        let grid = if self.snaps_corners() { renderer.measured_grid()? } else { None };
         Ok(OnGpu { gbuffer, shaded, moves_px: grid.map(gpu::Grid::moves_px) })
     }
 
