@@ -52,26 +52,31 @@ async function drawer() {
   }
 }
 
+/** The files of a capsule's answer, each below `folder`. */
+async function answer(capsule, contents, folder) {
+  const files = new Map(capsule.map(([name, place]) => [name, contents[place]]));
+  const read = async (name) => {
+    if (!files.has(name)) throw new Error(`${name} is not among the files`);
+    return files.get(name);
+  };
+  const found = await play(navigator.gpu, read, compiler());
+  return [...found].map(([name, bytes]) => [`${folder}/${name}`, bytes]);
+}
+
 /** A scene's pictures and all files, the capsules' and the answers', as a request has them. */
-async function drawn(scene, contents, each) {
+async function drawn(scene, contents) {
   const pictures = [];
   const files = [];
   for (const [k, { options, files: own }] of scene.cases.entries()) {
-    const capsule = new Map(own.map(([name, place]) => [name, contents[place]]));
     const picture = { options, capsule: `${k}/capsule`, answer: null, failure: null };
-    for (const [name, bytes] of capsule) files.push([`${k}/capsule/${name}`, bytes]);
+    for (const [name, place] of own) files.push([`${k}/capsule/${name}`, contents[place]]);
     try {
-      const read = async (name) => {
-        if (!capsule.has(name)) throw new Error(`${name} is not among the files`);
-        return capsule.get(name);
-      };
-      for (const [name, bytes] of await play(navigator.gpu, read, compiler())) files.push([`${k}/answer/${name}`, bytes]);
+      files.push(...(await answer(own, contents, `${k}/answer`)));
       picture.answer = `${k}/answer`;
     } catch (error) {
       picture.failure = error.message;
     }
     pictures.push(picture);
-    each();
   }
   return [{ scene: scene.name, pictures }, files];
 }
@@ -127,41 +132,49 @@ function save(report) {
   $('save').hidden = false;
 }
 
+/** Facts of the adapter. */
+function tell(facts) {
+  for (const [name, value] of Object.entries(facts)) {
+    $('adapter').append(element('div', {}, element('dt', {}, name), element('dd', {}, value || '—')));
+  }
+}
+
+/** The last verdict, after each scene was drawn, judged and shown. */
 async function all(drawnBy) {
   const [blob, program] = [await unpacked('files'), await unpacked('judge')];
   let end = 0;
   const contents = data.files.map((length) => blob.subarray(end, (end += length)));
   const judge = new Judge(program);
-  let verdict = judge.ask({ report: null, scene: null, drawnBy });
-  if (drawnBy.host) {
-    for (const scene of data.scenes) {
-      // The next scene is drawn while this one is judged.
-      const [request, files] = await drawn(scene, contents, () => {});
-      const before = await verdict;
-      show(before, false);
-      verdict = judge.ask({ ...request, report: before.report, drawnBy }, files);
-    }
+  if (!drawnBy.host) return judge.ask({ drawnBy });
+  // Where the measurement fails the pictures will, too, and say why.
+  const edges = await answer(data.edges, contents, 'edges').catch(() => null);
+  const first = await judge.ask({ drawnBy, edges: edges && 'edges' }, edges ?? []);
+  tell({ 'Grid of corners': first.grid ?? 'none found' });
+  let verdict = first;
+  for (const scene of data.scenes) {
+    // The next scene is drawn while this one is judged.
+    const [request, files] = await drawn(scene, contents);
+    const before = await verdict;
+    show(before, false);
+    verdict = judge.ask({ ...request, drawnBy, report: before.report, movesPx: first.movesPx }, files);
   }
-  const last = await verdict;
-  show(last, true);
-  save(last.report);
+  return verdict;
 }
 
 const drawnBy = await drawer();
-const told = drawnBy.host
+tell(drawnBy.host
   ? { Adapter: drawnBy.host.host.adapter, Driver: drawnBy.host.host.driver, Browser: drawnBy.host.host.compiler, System: drawnBy.host.platform }
-  : { Adapter: `none: ${drawnBy.absent.why}`, Browser: compiler(), System: platform() };
-for (const [name, value] of Object.entries(told)) {
-  $('adapter').append(element('div', {}, element('dt', {}, name), element('dd', {}, value || '—')));
-}
+  : { Adapter: `none: ${drawnBy.absent.why}`, Browser: compiler(), System: platform() });
 const part = data.shard.count > 1 ? `, part ${data.shard.index} of ${data.shard.count}` : '';
-$('facts').textContent = `Suite ${data.suite}${part} · ${total} pictures of ${data.scenes.length} scenes · program ${data.program}`;
+$('facts').textContent = `Suite ${data.suite}${part} · ${total} pictures · program ${data.program}`;
 $('start').addEventListener('click', async () => {
   $('start').disabled = true;
   $('progress').hidden = false;
   document.body.dataset.state = 'running';
   try {
-    await all(drawnBy);
+    const verdict = await all(drawnBy);
+    show(verdict, true);
+    save(verdict.report);
     document.body.dataset.state = 'done';
   } catch (error) {
     $('verdict').className = 'verdict partial';

@@ -14,6 +14,7 @@ use base64::Engine;
 use clap::Args;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use gpu::capsule::{Contents, edges};
 use serde::Serialize;
 use std::collections::HashMap;
 use std::io::Write;
@@ -64,6 +65,8 @@ struct Data {
     suite: Suite,
     shard: Shard,
     scenes: Vec<SceneData>,
+    /// The capsule that measures the rasterizer's grid.
+    edges: Vec<(String, usize)>,
     /// Bytes of each file, in the order in which they are packed.
     files: Vec<usize>,
 }
@@ -80,7 +83,7 @@ struct SceneData {
 struct CaseData {
     /// By which the judge knows it.
     options: String,
-    /// The capsule's files: a name, and the place among all files.
+    /// As [`Packed::capsule`] gives them.
     files: Vec<(String, usize)>,
 }
 
@@ -93,6 +96,11 @@ struct Packed {
 }
 
 impl Packed {
+    /// The files of a capsule: a name, and the place among all.
+    fn capsule(&mut self, capsule: Contents) -> Vec<(String, usize)> {
+        capsule.into_files().into_iter().map(|(name, file)| (name, self.place(file))).collect()
+    }
+
     /// The place of a file.
     fn place(&mut self, file: Vec<u8>) -> usize {
         *self.places.entry(file).or_insert_with_key(|file| {
@@ -129,8 +137,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
                     .and_then(|stage| recorded(&stage, args.adapter.as_deref()))
                     .with_context(|| scene.key(*viewpoint, plan).to_string())?
                     .0;
-                let files = contents.into_files().into_iter().map(|(name, file)| (name, packed.place(file))).collect();
-                cases.push(CaseData { options, files });
+                cases.push(CaseData { options, files: packed.capsule(contents) });
             }
         }
         scenes.push(SceneData { name: scene.name, stresses: scene.stresses, cases });
@@ -138,7 +145,8 @@ pub fn run(args: &PageArgs) -> Result<()> {
     }
     let pictures: usize = scenes.iter().map(|scene| scene.cases.len()).sum();
     ensure!(pictures > 0, "shard {shard} of suite {} has no scenes", suite.name());
-    let data = Data { program: env!("CARGO_PKG_VERSION"), suite, shard, scenes, files: packed.lengths };
+    let edges = packed.capsule(edges());
+    let data = Data { program: env!("CARGO_PKG_VERSION"), suite, shard, scenes, edges, files: packed.lengths };
     let page = page(&data, &text(&packed.bytes)?, &text(&judge)?)?;
     output::write(&args.page, page.as_bytes())?;
     say!("a page of {pictures} pictures, {:.1} MB, is in {}", page.len() as f64 / 1e6, args.page.display())

@@ -23,6 +23,10 @@ pub struct Request {
     pub scene: Option<String>,
     /// Who drew.
     pub drawn_by: DrawnBy,
+    /// The folder of the answer to [`gpu::capsule::edges`], where the rasterizer is to be measured.
+    pub edges: Option<PathBuf>,
+    /// How far corners are moved, as a verdict said that was measured, pixels.
+    pub moves_px: Option<f64>,
     /// What was drawn of the scene.
     #[serde(default)]
     pub pictures: Vec<Picture>,

@@ -76,7 +76,7 @@ pub fn line(report: &Report, subject: &Subject) -> String {
     if let Some(first) = of("differ").max_by_key(|row| row.differing) {
         let Row { scene, viewpoint, technique, .. } = first;
         let why = first.why.first().map_or(String::new(), |why| format!(": {why}"));
-        return format!("{differing} of {all} pictures differ; most {scene}/{viewpoint}/{technique}{why}.");
+        return format!("{differing} of {all} pictures differ, first of all {scene}/{viewpoint}/{technique}{why}.");
     }
     if let Some(first) = of("partial").next() {
         let why = first.why.first().map_or("", String::as_str);
