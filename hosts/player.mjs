@@ -49,6 +49,13 @@ function hostOf(adapter, compiler) {
   };
 }
 
+/** Who would answer: an adapter of `gpu`, in the words of an answer. */
+export async function host(gpu, compiler) {
+  const adapter = await gpu.requestAdapter();
+  if (!adapter) throw new Error('there is no adapter');
+  return hostOf(adapter, compiler);
+}
+
 /** Makes everything that a capsule has. */
 async function made(device, { capsule, files }) {
   const buffers = capsule.buffers.map((buffer) => device.createBuffer(buffer));

@@ -1,15 +1,10 @@
 // Plays the capsule whose files were chosen, and offers the answer's files.
 
 import { play } from '../player.mjs';
+import { compiler } from './visitor.mjs';
 
 const state = document.querySelector('#state');
 const list = document.querySelector('#answer');
-
-/** What compiles WGSL here is the browser's own; its name is all that a page gets to know. */
-function compiler() {
-  const brand = navigator.userAgentData?.brands.find(({ brand }) => !/not.?a.?brand/i.test(brand.replace(/\W/g, '')));
-  return brand ? `${brand.brand} ${brand.version}` : navigator.userAgent;
-}
 
 /** Plays the capsule of these files; the answer's files by name. */
 async function draw(files) {

@@ -22,11 +22,27 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("continuity", &["nurbs", "scene"]),
     ("lines", &["nurbs", "scene"]),
     ("view", &["nurbs", "scene", "gbuffer"]),
+    (
+        "suite",
+        &[
+            "files",
+            "scene",
+            "formats",
+            "models",
+            "gbuffer",
+            "pipeline",
+            "raster",
+            "gpu",
+            "raycast",
+            "compare",
+            "techniques",
+        ],
+    ),
     ("techniques", &["lanes", "nurbs", "scene", "pipeline", "raster", "gpu", "compare"]),
 ];
 
 /// On top of all: these may use any crate. `isophote` is what users run, and the others drive it.
-const ON_TOP: &[&str] = &["isophote", "python", "xtask", "conformance", "processors", "fuzz"];
+const ON_TOP: &[&str] = &["isophote", "python", "xtask", "conformance", "processors", "judge", "fuzz"];
 
 /// Crates and the workspace crates that they use, not counting what only their own tests use.
 fn drawn(metadata: &Value) -> BTreeMap<String, BTreeSet<String>> {

@@ -3,7 +3,8 @@
 use crate::Device;
 use wgpu::{TextureFormat, TextureUsages};
 
-const FORMAT: TextureFormat = TextureFormat::R8Unorm;
+/// Of such pictures.
+pub(crate) const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
 /// A program that paints such a picture.
 pub(crate) struct Painter<'a> {

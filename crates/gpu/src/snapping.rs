@@ -8,12 +8,39 @@ use crate::grid::{Grid, LENGTH, QUADS, either, fitting};
 use crate::{Device, GpuError};
 use wgpu::TextureUsages;
 
-const SHADER: &str = include_str!("../../../shaders/snapping.wgsl");
+pub(crate) const SHADER: &str = include_str!("../../../shaders/snapping.wgsl");
+
+/// Its entry points.
+pub(crate) const ENTRIES: [&str; 2] = ["corner", "covered"];
+
+/// The constant of its vertex stage by which quads stand one below another.
+pub(crate) const IS_DOWN: &str = "IS_DOWN";
 
 const MEASURING: &str = "measuring the grid of corners";
 
 /// As in `shaders/snapping.wgsl`.
 const PITCH: u32 = 4;
+
+/// Width and height of the picture of edges.
+pub(crate) fn size(is_down: bool) -> [u32; 2] {
+    let width = PITCH * QUADS;
+    if is_down { [LENGTH, width] } else { [width, LENGTH] }
+}
+
+/// How far the edge of each quad covers, pixels, in such a picture of one byte a texel.
+pub(crate) fn lengths(texels: &[u8], is_down: bool) -> Vec<u32> {
+    let [columns, _] = size(is_down);
+    let is_covered = |quad: u32, along: u32| {
+        let [x, y] = if is_down { [along, PITCH * quad] } else { [PITCH * quad, along] };
+        texels[(y * columns + x) as usize] > 0
+    };
+    (0..QUADS).map(|quad| (0..LENGTH).filter(|along| is_covered(quad, *along)).count() as u32).collect()
+}
+
+/// The grid that the lengths along both sides tell of.
+pub(crate) fn grid(across: &[u32], down: &[u32]) -> Option<Grid> {
+    fitting(across).zip(fitting(down)).map(|(across, down)| either(across, down))
+}
 
 impl Device {
     /// The grid to which this adapter's rasterizer snaps corners, by what it draws now: exactly to the grid that is named, or none
@@ -33,17 +60,15 @@ impl Device {
         let limit = u64::from(self.limits.max_texture_dimension_2d);
         self.fits("a picture of edges", "max_texture_dimension_2d", u64::from(LENGTH), limit)?;
         let [across, down] = [false, true].map(|is_down| self.lengths(is_down));
-        let grid = fitting(&across?).zip(fitting(&down?)).map(|(across, down)| either(across, down));
+        let grid = grid(&across?, &down?);
         Ok(*self.grid.get_or_init(|| grid))
     }
 
     /// How far the edge of each quad covers, pixels.
     fn lengths(&self, is_down: bool) -> Result<Vec<u32>, GpuError> {
-        let width = PITCH * QUADS;
-        let [columns, rows] = if is_down { [LENGTH, width] } else { [width, LENGTH] };
         let (texture, encoder) = self.guarded(MEASURING, || {
             let pipeline = self.edges(is_down);
-            let texture = self.coverage_target("edges", [columns, rows], TextureUsages::empty());
+            let texture = self.coverage_target("edges", size(is_down), TextureUsages::empty());
             let view = texture.create_view(&Default::default());
             let mut encoder = self.wgpu.create_command_encoder(&Default::default());
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -65,20 +90,15 @@ impl Device {
             (texture, encoder)
         })?;
         self.submit(MEASURING, encoder)?;
-        let texels = self.texels(MEASURING, &texture)?;
-        let is_covered = |quad: u32, along: u32| {
-            let [x, y] = if is_down { [along, PITCH * quad] } else { [PITCH * quad, along] };
-            texels[(y * columns + x) as usize] > 0
-        };
-        Ok((0..QUADS).map(|quad| (0..LENGTH).filter(|along| is_covered(quad, *along)).count() as u32).collect())
+        Ok(lengths(&self.texels(MEASURING, &texture)?, is_down))
     }
 
     fn edges(&self, is_down: bool) -> wgpu::RenderPipeline {
         self.coverage_pipeline(Painter {
             label: "edges",
             source: SHADER,
-            entries: ["corner", "covered"],
-            constants: &[("IS_DOWN", f64::from(u8::from(is_down)))],
+            entries: ENTRIES,
+            constants: &[(IS_DOWN, f64::from(u8::from(is_down)))],
             layout: &self.pipeline_layout("edges", &[]),
             blend: None,
         })

@@ -6,7 +6,7 @@ mod args;
 mod judged;
 mod maps;
 mod page;
-pub mod pictures;
+mod pictures;
 mod rendered;
 mod report;
 mod saved;

@@ -3,18 +3,16 @@
 pub mod answer;
 pub mod check;
 pub mod compilers;
-pub mod corpus;
 pub mod dawn;
 pub mod foreign;
 pub mod html;
 pub mod junit;
 pub mod merge;
 pub mod own;
-pub mod report;
-pub mod run;
-pub mod shard;
+pub mod page;
 pub mod table;
-pub mod wrong;
+
+pub use suite::{corpus, report, run, shard, wrong};
 
 use crate::terminal;
 use answer::{OutputArgs, claim, finish};
@@ -47,7 +45,8 @@ Examples:
   isophote conform merge conform-* --out conform  join them
   isophote conform --models parts                 your own files, each a scene
   isophote conform export scenes                  for a renderer of your own,
-  isophote conform judge scenes                   and its verdict"
+  isophote conform judge scenes                   and its verdict
+  isophote conform page gpu.html                  for a visitor's GPU, in a browser"
 )]
 pub struct ConformArgs {
     #[command(subcommand)]
@@ -61,6 +60,7 @@ enum ConformCommand {
     Merge(merge::MergeArgs),
     Export(foreign::ExportArgs),
     Judge(foreign::JudgeArgs),
+    Page(page::PageArgs),
 }
 
 /// What is run.
@@ -108,6 +108,7 @@ pub fn run(args: &ConformArgs) -> Result<ExitCode> {
         Some(ConformCommand::Merge(args)) => return merge::run(args),
         Some(ConformCommand::Export(args)) => return foreign::export(args),
         Some(ConformCommand::Judge(args)) => return foreign::judge(args),
+        Some(ConformCommand::Page(args)) => return page::run(args).map(|()| ExitCode::SUCCESS),
     }
     let RunArgs { adapter, hosts, dawn, suite, shard, models, output } = &args.run;
     let plans = Plans { suite: *suite, scenes: models.scenes(*suite), shard: *shard };

@@ -15,7 +15,6 @@ pub mod conform;
 pub mod continuity;
 pub mod convert;
 pub mod cost;
-pub mod embedded;
 pub mod entry;
 pub mod eval;
 pub mod format;
@@ -33,13 +32,14 @@ pub mod pixel;
 pub mod render;
 pub mod scene;
 pub mod sight;
-pub mod stage;
 pub mod study;
 pub mod technique;
 pub mod terminal;
-pub mod text;
 pub mod versions;
 pub mod view;
 pub mod viewer;
 pub mod with;
 pub mod words;
+
+// What the suite shares with judges that are not this program.
+pub use suite::{embedded, stage, text};

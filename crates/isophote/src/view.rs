@@ -1,7 +1,6 @@
 //! What is drawn and from where, from the command line.
 
 use crate::number;
-use crate::text::nearest;
 use crate::words::{self, Words};
 use ::view::orbit::has_usual_near;
 use anyhow::{Context, Result, bail};
@@ -9,7 +8,6 @@ use clap::{Args, ValueEnum};
 use formats::Document;
 use glam::{DVec2, DVec3};
 use scene::{Camera, Model, Projection, Viewport, escaped};
-use std::path::Path;
 
 /// A model by name or file.
 #[derive(Debug, Clone, Args)]
@@ -172,24 +170,7 @@ impl ModelArgs {
     /// # Errors
     /// Where it is neither a built-in name nor a readable file.
     pub fn read(&self) -> Result<Document> {
-        if let Some(model) = models::builtin(&self.model) {
-            return Ok(Document::of_model(model));
-        }
-        let path = Path::new(&self.model);
-        if !path.exists() && path.extension().is_none() && !self.model.contains(std::path::is_separator) {
-            let names: Vec<&str> = models::all().map(|(name, _)| *name).collect();
-            match nearest(&self.model, &names) {
-                Some(name) => {
-                    bail!("there is no built-in model {:?}, and no such file; did you mean {name:?}?", self.model)
-                }
-                None => bail!(
-                    "there is no built-in model {:?} (there are {}), and no such file",
-                    self.model,
-                    names.join(", ")
-                ),
-            }
-        }
-        Ok(formats::open(path)?)
+        suite::named::document(&self.model)
     }
 }
 

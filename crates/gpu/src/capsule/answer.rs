@@ -31,8 +31,9 @@ pub fn gbuffer(contents: &Contents, played: &Played) -> Result<GBuffer, CapsuleE
             return Err(CapsuleError::NoRoom { needed, capacity });
         }
     }
-    let Picture { width, height, curvature, edges, meta, faces } = &capsule.picture;
     let malformed = |reason: String| CapsuleError::Malformed { what: "the picture", reason };
+    let picture = capsule.picture.as_ref().ok_or_else(|| malformed("there is none".to_owned()))?;
+    let Picture { width, height, curvature, edges, meta, faces } = picture;
     let viewport = Viewport::new(*width, *height).map_err(|error| malformed(error.to_string()))?;
     let camera = Camera::deserialize(&meta.camera).map_err(|error| malformed(error.to_string()))?;
     let frames: Vec<PackedFrame> = faces.iter().map(frame).collect();

@@ -40,8 +40,9 @@ pub struct Capsule {
     pub schema: String,
     /// The second.
     pub schema_version: u32,
-    /// What the G-buffer is made of beside what is read.
-    pub picture: Picture,
+    /// What the G-buffer is made of beside what is read; none where no G-buffer is, as where a rasterizer is measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture: Option<Picture>,
     /// Limits of WebGPU that must be raised, by name.
     pub limits: BTreeMap<String, u64>,
     /// Every file beside this one.

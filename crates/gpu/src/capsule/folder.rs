@@ -17,6 +17,9 @@ const MAX_DOCUMENT: u64 = 1 << 28;
 /// Bytes of the files of a folder together, at most: four times what a full-screen picture of a large model takes.
 const MAX_BYTES: u64 = 1 << 32;
 
+/// What reads a file of at most so many bytes: from a disk, or from wherever else a host keeps it.
+pub type Reader<'a> = &'a dyn Fn(&Path, u64) -> Result<Vec<u8>, files::ReadError>;
+
 /// Files by name.
 pub(super) type Files = BTreeMap<String, Vec<u8>>;
 
@@ -61,14 +64,28 @@ impl Contents {
         write(folder, &self.files, CAPSULE_FILE, &self.capsule)
     }
 
+    /// The files of its folder by name, the document among them.
+    pub fn into_files(self) -> BTreeMap<String, Vec<u8>> {
+        let document = (CAPSULE_FILE.to_owned(), text(&self.capsule));
+        self.files.into_iter().chain([document]).collect()
+    }
+
     /// Reads it from a folder.
     ///
     /// # Errors
     /// [`CapsuleError::Read`], [`CapsuleError::Document`], [`CapsuleError::Version`], [`CapsuleError::Name`],
     /// [`CapsuleError::Length`], [`CapsuleError::Damaged`].
     pub fn read(folder: &Path) -> Result<Self, CapsuleError> {
-        let (capsule, text): (Capsule, _) = document(&folder.join(CAPSULE_FILE), SCHEMA)?;
-        let files = contents(folder, &capsule.files)?;
+        Self::read_by(folder, &files::read)
+    }
+
+    /// Reads it from what `read` takes for a folder.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_by(folder: &Path, read: Reader) -> Result<Self, CapsuleError> {
+        let (capsule, text): (Capsule, _) = document(&folder.join(CAPSULE_FILE), SCHEMA, read)?;
+        let files = contents(folder, &capsule.files, read)?;
         Ok(Self { capsule, files, hash: files::hash(&text) })
     }
 
@@ -100,13 +117,27 @@ impl Played {
         write(folder, &self.files, ANSWER_FILE, &self.answer)
     }
 
+    /// The files of its folder by name, the document among them.
+    pub fn into_files(self) -> BTreeMap<String, Vec<u8>> {
+        let document = (ANSWER_FILE.to_owned(), text(&self.answer));
+        self.files.into_iter().chain([document]).collect()
+    }
+
     /// Reads it from a folder.
     ///
     /// # Errors
     /// As [`Contents::read`].
     pub fn read(folder: &Path) -> Result<Self, CapsuleError> {
-        let (answer, _): (Answer, _) = document(&folder.join(ANSWER_FILE), ANSWER_SCHEMA)?;
-        let files = contents(folder, &answer.files)?;
+        Self::read_by(folder, &files::read)
+    }
+
+    /// Reads it from what `read` takes for a folder.
+    ///
+    /// # Errors
+    /// As [`Contents::read`].
+    pub fn read_by(folder: &Path, read: Reader) -> Result<Self, CapsuleError> {
+        let (answer, _): (Answer, _) = document(&folder.join(ANSWER_FILE), ANSWER_SCHEMA, read)?;
+        let files = contents(folder, &answer.files, read)?;
         Ok(Self { answer, files })
     }
 
@@ -142,9 +173,12 @@ fn write(folder: &Path, files: &Files, name: &str, document: &impl Serialize) ->
 }
 
 /// A document of that kind and version, and its text.
-fn document<T: DeserializeOwned>(path: &Path, (schema, version): (&str, u32)) -> Result<(T, Vec<u8>), CapsuleError> {
-    let text =
-        files::read(path, MAX_DOCUMENT).map_err(|source| CapsuleError::Read { path: path.to_owned(), source })?;
+fn document<T: DeserializeOwned>(
+    path: &Path,
+    (schema, version): (&str, u32),
+    read: Reader,
+) -> Result<(T, Vec<u8>), CapsuleError> {
+    let text = read(path, MAX_DOCUMENT).map_err(|source| CapsuleError::Read { path: path.to_owned(), source })?;
     let failed = |reason: String| CapsuleError::Document { path: path.to_owned(), reason };
     let value: Value = serde_json::from_slice(&text).map_err(|error| failed(error.to_string()))?;
     if value["schema"] != schema {
@@ -158,7 +192,7 @@ fn document<T: DeserializeOwned>(path: &Path, (schema, version): (&str, u32)) ->
 }
 
 /// The files of a list, each as long and with the hash that it has there.
-fn contents(folder: &Path, list: &[File]) -> Result<Files, CapsuleError> {
+fn contents(folder: &Path, list: &[File], read: Reader) -> Result<Files, CapsuleError> {
     let mut left = MAX_BYTES;
     let mut files = Files::new();
     for File { name, bytes, hash } in list {
@@ -167,7 +201,7 @@ fn contents(folder: &Path, list: &[File]) -> Result<Files, CapsuleError> {
             return Err(CapsuleError::Name { name: name.clone() });
         }
         let path = folder.join(name);
-        let found = files::read(&path, left).map_err(|source| CapsuleError::Read { path, source })?;
+        let found = read(&path, left).map_err(|source| CapsuleError::Read { path, source })?;
         left -= found.len() as u64;
         if found.len() as u64 != *bytes {
             return Err(CapsuleError::Length { name: name.clone(), found: found.len() as u64, expected: *bytes });

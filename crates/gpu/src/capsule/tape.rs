@@ -72,7 +72,7 @@ impl<'f> Tape<'f> {
         let capsule = Capsule {
             schema: schema.to_owned(),
             schema_version,
-            picture,
+            picture: Some(picture),
             limits: BTreeMap::new(),
             files: vec![],
             modules: vec![],

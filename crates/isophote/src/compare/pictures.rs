@@ -2,9 +2,10 @@
 
 use crate::output;
 use anyhow::Result;
-use gbuffer::{GBuffer, Hit, Picture, Shading};
-use scene::{Camera, Model, Viewport};
+use gbuffer::{GBuffer, Picture, Shading};
+use scene::{Camera, Model};
 use std::path::Path;
+use suite::difference::Map;
 
 /// What a comparison shows, by file name: the renderers' pictures, and maps of where they differ.
 pub(super) struct Pictures {
@@ -13,13 +14,6 @@ pub(super) struct Pictures {
     /// How many of them are of G-buffers.
     views: usize,
     maps: Vec<(String, Map)>,
-}
-
-/// How far apart two renderers' points are, a pixel each.
-struct Map {
-    viewport: Viewport,
-    /// Pixels of the picture at that depth; infinite where only one of the two sees anything.
-    apart_px: Vec<Option<f64>>,
 }
 
 impl Pictures {
@@ -98,37 +92,4 @@ impl Pictures {
         }
         Ok(())
     }
-}
-
-impl Map {
-    fn new(camera: &Camera, a: &GBuffer, b: &GBuffer) -> Self {
-        let viewport = a.viewport();
-        let apart = |(a, b): (Option<&Hit>, Option<&Hit>)| match (a, b) {
-            (None, None) => None,
-            (Some(a), Some(b)) => {
-                let depth = camera.depth(a.position).max(camera.near()).max(f64::MIN_POSITIVE);
-                Some(a.position.distance(b.position) * camera.pixels_per_unit(viewport, depth))
-            }
-            _ => Some(f64::INFINITY),
-        };
-        Self { viewport, apart_px: a.pixels().zip(b.pixels()).map(apart).collect() }
-    }
-
-    fn widen(&mut self, other: &Self) {
-        for (own, other) in self.apart_px.iter_mut().zip(&other.apart_px) {
-            *own = own.map_or(*other, |own| Some(other.map_or(own, |other| own.max(other))));
-        }
-    }
-
-    fn picture(&self) -> Picture {
-        let (width, height) = (self.viewport.width(), self.viewport.height());
-        let shown = |px: f64| if px.is_finite() { px.max(1e-6).log10() } else { f64::NAN };
-        Picture::false_colour(width, height, |x, y| self.apart_px[y * width + x].map(shown), [-6.0, 0.0])
-    }
-}
-
-/// How far apart two renderers' points are, across and along the ray, in pixels of the picture at that depth: false
-/// colour from 10⁻⁶ to 1 pixel, logarithmic; magenta where only one of them sees anything.
-pub fn difference(camera: &Camera, a: &GBuffer, b: &GBuffer) -> Picture {
-    Map::new(camera, a, b).picture()
 }

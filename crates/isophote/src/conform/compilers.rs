@@ -3,14 +3,7 @@
 use super::report::{Report, State, Subject};
 use crate::text::escaped;
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
-use gbuffer::GBuffer;
 use std::collections::BTreeSet;
-
-/// Pixels in which two G-buffers of one stage are not the same to the last bit; where one has a number that is none, so it is
-/// not the same.
-pub fn unlike(a: &GBuffer, b: &GBuffer) -> usize {
-    a.pixels().zip(b.pixels()).filter(|(a, b)| a != b).count()
-}
 
 /// A line for each compiler and adapter, where there are several; at most 80 characters wide.
 pub fn table(report: &Report) -> Option<Table> {

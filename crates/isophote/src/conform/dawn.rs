@@ -1,14 +1,12 @@
 //! Dawn as an adapter: each stage's capsule is played by the Node program in `hosts/node`, whose compiler is Tint.
 
 use super::report::Subject;
-use super::run::{Adapter, DrawError, host};
+use super::run::{Adapter, DrawError, by_capsule, host};
 use crate::capsule::recorded;
-use crate::stage::{OnGpu, Plan, Stage};
-use crate::view::ModelArgs;
+use crate::stage::{OnGpu, Stage};
 use anyhow::{Context, Result, bail, ensure};
 use files::Scratch;
 use gpu::capsule::{self, Contents, Host, Played};
-use scene::{Camera, Viewport};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -27,10 +25,12 @@ pub struct Dawn {
     folder: PathBuf,
     adapter: Option<String>,
     host: Host,
+    /// How far its rasterizer moves corners, as measured; none where no grid was found.
+    moves_px: Option<f64>,
 }
 
 impl Dawn {
-    /// Plays a first small picture by the host in `folder`, on the adapter whose name contains `adapter` or on the best one.
+    /// Measures the rasterizer of the host in `folder`, on the adapter whose name contains `adapter` or on the best one.
     ///
     /// # Errors
     /// What is missing, or what the host said.
@@ -42,29 +42,16 @@ impl Dawn {
             "the package webgpu is not there: `npm ci` in {} installs it",
             folder.display()
         );
-        let model = ModelArgs::named("sphere").read()?.model;
-        let viewport = Viewport::new(8, 8)?;
-        let stage = Stage::new(&model, Camera::framing(&model, viewport), viewport, Plan::default())?;
-        let (contents, _) = recorded(&stage, None)?;
-        let adapter = adapter.map(str::to_owned);
-        let host = played(folder, adapter.as_deref(), &contents)?.answer().host.clone();
-        Ok(Self { folder: folder.to_owned(), adapter, host })
+        let played = played(folder, adapter, &capsule::edges())?;
+        let moves_px = capsule::grid(&played)?.map(gpu::Grid::moves_px);
+        let (folder, adapter) = (folder.to_owned(), adapter.map(str::to_owned));
+        Ok(Self { folder, adapter, host: played.answer().host.clone(), moves_px })
     }
 }
 
 impl Adapter for Dawn {
     fn subject(&self) -> Subject {
-        let Host { adapter, driver, backend, compiler } = self.host.clone();
-        Subject {
-            id: format!("{adapter} | {driver} | {backend} | {} | {compiler}", host()),
-            name: adapter,
-            kind: "other".to_owned(),
-            driver,
-            backend,
-            compiler,
-            host: host(),
-            failure: None,
-        }
+        by_capsule(&self.host, &host())
     }
 
     fn draw(&mut self, stage: &Stage) -> Result<OnGpu, DrawError> {
@@ -74,7 +61,7 @@ impl Adapter for Dawn {
             let drawn_by = &played.answer().host;
             ensure!(*drawn_by == self.host, "it was drawn on {}, not on {}", drawn_by.adapter, self.host.adapter);
             let gbuffer = capsule::gbuffer(&contents, &played)?;
-            anyhow::Ok(OnGpu { gbuffer, shaded: None, moves_px: None })
+            anyhow::Ok(OnGpu { gbuffer, shaded: None, moves_px: self.moves_px.filter(|_| stage.snaps_corners()) })
         };
         draw().map_err(|error| DrawError::Refused(format!("{error:#}")))
     }

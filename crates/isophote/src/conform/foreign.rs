@@ -9,7 +9,6 @@ use super::report::{Case, Outcome, Pair, Report, Subject};
 use super::run::{Plans, host};
 use super::shard::Shard;
 use crate::compare::Saved;
-use crate::compare::pictures::difference;
 use crate::embedded::data_uri;
 use crate::stage::Plan;
 use crate::{output, say, scene, terminal};
@@ -20,6 +19,7 @@ use gbuffer::{GBuffer, ShadeKind, Shading};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
+use suite::difference::Map;
 
 /// Write the suite's scenes, for a renderer of your own to draw
 ///
@@ -114,7 +114,7 @@ impl View {
                 case.undecided = cast.undecided();
                 case.picture = self.shaded(&cast).ok();
                 outcome.picture = self.shaded(&buffer).ok();
-                let map = data_uri(&difference(&self.camera, &cast, &buffer)).ok();
+                let map = data_uri(&Map::new(&self.camera, &cast, &buffer).picture()).ok();
                 outcome.pairs.push(Pair { difference: map, ..pair });
             }
         }

@@ -1,9 +1,9 @@
 //! Pixels in which two compilers differ are counted, and the table of compilers fits a terminal.
 
 use crate::setting::{AGREEING, Wrong, gpu};
-use isophote::conform::compilers::{table, unlike};
+use isophote::conform::compilers::table;
 use isophote::conform::report::Subject;
-use isophote::conform::run::Adapter;
+use isophote::conform::run::{Adapter, unlike};
 use isophote::stage::{Plan, Stage};
 use isophote::view::ModelArgs;
 use scene::{Camera, Viewport};

@@ -153,7 +153,7 @@ impl Page {
             Some("Log.entryAdded") if params["entry"]["level"] == "error" => Some(params["entry"].to_string()),
             Some("Network.requestWillBeSent") => {
                 let url = params["request"]["url"].as_str().unwrap_or_default();
-                let inside = ["file:", "data:", "about:"].iter().any(|scheme| url.starts_with(scheme));
+                let inside = ["file:", "data:", "about:", "blob:"].iter().any(|scheme| url.starts_with(scheme));
                 (!inside).then(|| format!("fetched {url}"))
             }
             _ => None,

@@ -8,6 +8,7 @@ mod documents;
 mod faults;
 mod merging;
 mod own;
+mod page;
 mod player;
 mod setting;
 mod xsd;

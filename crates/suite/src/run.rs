@@ -1,21 +1,21 @@
 //! A run: each case rendered by ray caster and CPU rasterizer once, by each adapter, and compared in all pairs.
 
-use super::compilers::unlike;
-use super::corpus::{Corpus, Scene, Suite, Viewpoint};
-use super::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
-use super::shard::Shard;
-use super::wrong::Vacuity;
-use crate::compare::pictures::difference;
+use crate::corpus::{Corpus, Scene, Suite, Viewpoint};
+use crate::difference::Map;
 use crate::embedded::data_uri;
+use crate::progress::{progress, step};
+use crate::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
+use crate::shard::Shard;
 use crate::stage::{OnGpu, Plan, Stage};
-use crate::terminal;
+use crate::wrong::Vacuity;
 use anyhow::{Context, Result};
 use compare::PairReport;
 use gbuffer::{GBuffer, ShadeKind, Shading};
 use gpu::GpuError;
+use gpu::capsule::Host;
 use pipeline::Scheme;
 use raycast::Caster;
-use scene::{Model, Viewport};
+use scene::Model;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -80,9 +80,25 @@ impl Adapter for Gpu {
     }
 }
 
-/// Operating system and processor family.
+/// What draws by a capsule, on a machine that is called `host`.
+pub fn by_capsule(drawn_by: &Host, host: &str) -> Subject {
+    let Host { adapter, driver, backend, compiler } = drawn_by.clone();
+    Subject {
+        id: format!("{adapter} | {driver} | {backend} | {host} | {compiler}"),
+        name: adapter,
+        kind: "other".to_owned(),
+        driver,
+        backend,
+        compiler,
+        host: host.to_owned(),
+        failure: None,
+    }
+}
+
+/// Operating system and processor family; the second alone where there is no such system, as in a browser.
 pub fn host() -> String {
-    format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH)
+    let (system, family) = (std::env::consts::OS, std::env::consts::ARCH);
+    if system.is_empty() { family.to_owned() } else { format!("{system}-{family}") }
 }
 
 /// What the CPU rasterizer is called, and how its identity begins.
@@ -114,6 +130,12 @@ pub fn absent(wanted: &str, why: String) -> Subject {
         host: host(),
         failure: Some(why),
     }
+}
+
+/// Pixels in which two G-buffers of one stage are not the same to the last bit; where one has a number that is none, so it is
+/// not the same.
+pub fn unlike(a: &GBuffer, b: &GBuffer) -> usize {
+    a.pixels().zip(b.pixels()).filter(|(a, b)| a != b).count()
 }
 
 /// What to run: a suite, or a list of scenes treated as it treats its own.
@@ -159,6 +181,11 @@ impl Plans {
         Corpus::new(self.suite, &self.scenes)
     }
 
+    /// The scenes of its shard.
+    pub fn mine(&self) -> impl Iterator<Item = &'static Scene> {
+        self.scenes.iter().enumerate().filter(|(place, _)| self.shard.holds(*place)).map(|(_, scene)| *scene)
+    }
+
     /// What stands in the report for a scene whose model cannot be read.
     fn unread(&self, scene: &Scene, error: String) -> Case {
         Case {
@@ -187,46 +214,57 @@ impl Plans {
         stop: &AtomicBool,
         keep: &mut dyn FnMut(&Report) -> Result<()>,
     ) -> Result<()> {
-        let bar = terminal::progress("conform", report.expected().len());
-        let mine: Vec<&'static Scene> = self
-            .scenes
-            .iter()
-            .enumerate()
-            .filter(|(place, _)| self.shard.holds(*place))
-            .map(|(_, scene)| *scene)
-            .collect();
+        let bar = progress("conform", report.expected().len());
+        let mine: Vec<&'static Scene> = self.mine().collect();
         for (done, &scene) in mine.iter().enumerate() {
-            terminal::step(format_args!("conform: scene {} of {}, {}", done + 1, mine.len(), scene.name));
-            let model = match scene.open() {
-                Ok(model) => model,
-                Err(error) => {
-                    report.cases.push(self.unread(scene, error));
-                    bar.inc(1);
-                    keep(report)?;
-                    continue;
-                }
-            };
-            let caster = Caster::new(&model);
-            for &viewpoint in self.suite.viewpoints(scene) {
-                let side = self.suite.side();
-                let viewport = Viewport::new(side, side).expect("a legal size");
-                let camera = viewpoint.camera(&model, viewport);
-                let raycast = caster.render(&camera, viewport, &|_| {});
-                for (number, plan) in self.suite.plans(scene).into_iter().enumerate() {
-                    bar.set_message(scene.name);
-                    let pictured = number == 0 && viewpoint == scene.viewpoints[0];
-                    // The judge looks at values, not at the program that they come of.
-                    let tries_wrong = self.suite == Suite::Full && plan.scheme == Scheme::Specialised;
-                    let case =
-                        Sitting { scene, model: &model, caster: &caster, raycast: &raycast, pictured, tries_wrong };
-                    case.judge(viewpoint, camera, plan, adapters, report);
-                    bar.inc(1);
-                    if stop.load(Ordering::Relaxed) {
-                        return keep(report);
-                    }
-                }
-                keep(report)?;
+            step(format_args!("conform: scene {} of {}, {}", done + 1, mine.len(), scene.name));
+            bar.set_message(scene.name);
+            self.run_scene(scene, adapters, report, stop, &mut |report| {
+                bar.set_position(report.cases.len() as u64);
+                keep(report)
+            })?;
+            if stop.load(Ordering::Relaxed) {
+                break;
             }
+        }
+        Ok(())
+    }
+
+    /// Runs one of its scenes, as [`Self::run`] does.
+    ///
+    /// # Errors
+    /// Those of `keep`.
+    pub fn run_scene(
+        &self,
+        scene: &'static Scene,
+        adapters: &mut [Box<dyn Adapter>],
+        report: &mut Report,
+        stop: &AtomicBool,
+        keep: &mut dyn FnMut(&Report) -> Result<()>,
+    ) -> Result<()> {
+        let model = match scene.open() {
+            Ok(model) => model,
+            Err(error) => {
+                report.cases.push(self.unread(scene, error));
+                return keep(report);
+            }
+        };
+        let caster = Caster::new(&model);
+        for &viewpoint in self.suite.viewpoints(scene) {
+            let viewport = self.suite.viewport();
+            let camera = viewpoint.camera(&model, viewport);
+            let raycast = caster.render(&camera, viewport, &|_| {});
+            for (number, plan) in self.suite.plans(scene).into_iter().enumerate() {
+                let pictured = number == 0 && viewpoint == scene.viewpoints[0];
+                // The judge looks at values, not at the program that they come of.
+                let tries_wrong = self.suite == Suite::Full && plan.scheme == Scheme::Specialised;
+                let case = Sitting { scene, model: &model, caster: &caster, raycast: &raycast, pictured, tries_wrong };
+                case.judge(viewpoint, camera, plan, adapters, report);
+                if stop.load(Ordering::Relaxed) {
+                    return keep(report);
+                }
+            }
+            keep(report)?;
         }
         Ok(())
     }
@@ -352,7 +390,9 @@ impl Sitting<'_> {
                 outcome.pairs = pairs
                     .into_iter()
                     .map(|(pair, reference)| {
-                        let map = keeps.then(|| data_uri(&difference(&stage.camera, reference, drawn)).ok()).flatten();
+                        let map = keeps
+                            .then(|| data_uri(&Map::new(&stage.camera, reference, drawn).picture()).ok())
+                            .flatten();
                         Pair { difference: map, ..pair }
                     })
                     .collect();

@@ -1,7 +1,7 @@
 //! A model, seen: everything the three renderers need, made once, and what they return.
 
 use super::plan::{Path, Plan};
-use crate::terminal;
+use crate::progress::{note, progress};
 use anyhow::Result;
 use compare::{Claims, Interpolation, StandIn, VertexNormals};
 use gbuffer::{GBuffer, Meta, Picture, Shading, Trims};
@@ -82,7 +82,7 @@ impl<'m> Stage<'m> {
         let prepared = plan.prepared(model, &scene, &camera, viewport)?;
         if let Some(kept) = prepared.built_px().filter(|kept| *kept > plan.chord_px) {
             let (asked, triangles) = (plan.chord_px, prepared.triangles());
-            terminal::note(format_args!(
+            note(format_args!(
                 "note: a chord error of {asked} px takes more than it may from here; {triangles} triangles keep to {kept:.3} px"
             ));
         }
@@ -163,7 +163,7 @@ impl<'m> Stage<'m> {
 
     /// The CPU's G-buffer.
     pub fn raster(&self) -> GBuffer {
-        let bar = terminal::progress("raster", self.viewport.pixels());
+        let bar = progress("raster", self.viewport.pixels());
         self.rasterizer(self.options()).render(self.meta("raster"), &|pixels| bar.inc(pixels as u64))
     }
 
@@ -174,7 +174,7 @@ impl<'m> Stage<'m> {
 
     /// The ray caster's G-buffer.
     pub fn raycast(&self, caster: &Caster) -> GBuffer {
-        let bar = terminal::progress("raycast", self.viewport.height());
+        let bar = progress("raycast", self.viewport.height());
         caster.render(&self.camera, self.viewport, &|rows| bar.inc(rows as u64))
     }
 
@@ -211,6 +211,11 @@ impl<'m> Stage<'m> {
         self.plan.path.renderer(device, &self.scene, &self.prepared, options)
     }
 
+    /// Whether the GPU's own rasterizer draws corners: its grid moves them.
+    pub fn snaps_corners(&self) -> bool {
+        self.plan.path == Path::Fragment && self.plan.technique.claims() == Claims::Chord
+    }
+
     /// What [`Self::gpu`] returns, by a renderer of this stage or of the one whose sample it is.
     ///
     /// # Errors
@@ -221,8 +226,7 @@ impl<'m> Stage<'m> {
         let shaded = shading
             .map(|shading| renderer.shaded(&self.views, &shading.uniform(&self.camera, size), self.viewport))
             .transpose()?;
-        let is_rasterized = self.plan.path == Path::Fragment && self.plan.technique.claims() == Claims::Chord;
-        let grid = if is_rasterized { renderer.measured_grid()? } else { None };
+        let grid = if self.snaps_corners() { renderer.measured_grid()? } else { None };
         Ok(OnGpu { gbuffer, shaded, moves_px: grid.map(gpu::Grid::moves_px) })
     }
 

@@ -1,7 +1,7 @@
 //! The pictures of a stage against each other, and against rays.
 
 use super::drawn::{Original, Rendered, Stage};
-use crate::terminal;
+use crate::progress::progress;
 use anyhow::Result;
 use compare::{Deviation, Judge, PairReport, PixelVerdict, Sampler};
 use gbuffer::{GBuffer, Hit};
@@ -196,7 +196,7 @@ impl Stage<'_> {
         moves_px: Option<f64>,
     ) -> Result<PairReport> {
         let what = format!("{} | {}", reference.meta().renderer, candidate.meta().renderer);
-        let bar = terminal::progress(&what, self.viewport.height());
+        let bar = progress(&what, self.viewport.height());
         let deviation = self.deviation(exact, moves_px);
         Ok(self.judge(exact).pair(reference, sampler, candidate, &deviation, exact, &|rows| bar.inc(rows as u64))?)
     }

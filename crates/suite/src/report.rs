@@ -3,10 +3,9 @@
 //! `report.json` is the one source of the table, the JUnit file and the HTML page. Whether a run is complete is never
 //! stored: it follows from what was planned and what is there, so that a run that was killed says so by itself.
 
-use super::corpus::{CaseKey, SceneInfo, Suite};
-use super::shard::Shard;
-use super::wrong::Vacuity;
-use crate::output;
+use crate::corpus::{CaseKey, SceneInfo, Suite};
+use crate::shard::Shard;
+use crate::wrong::Vacuity;
 use anyhow::{Context, Result, bail};
 use compare::{Histogram, PairReport, Verdict};
 use gbuffer::{GBuffer, Hit};
@@ -42,7 +41,7 @@ pub struct Report {
     pub shard: Shard,
     /// The runs that this comes from: one, or those merged.
     pub sources: Vec<Source>,
-    /// [`Corpus::hash`](super::corpus::Corpus::hash) of what was run: by it a report of other models or views is told.
+    /// [`Corpus::hash`](crate::corpus::Corpus::hash) of what was run: by it a report of other models or views is told.
     pub corpus: String,
     /// The scenes of the suite.
     pub scenes: Vec<SceneInfo>,
@@ -364,7 +363,7 @@ impl Report {
         if broken { State::NotRun } else { worst }
     }
 
-    /// Reads a report from a regular file of at most [`MAX_BYTES`]; [`check`](super::check::check) says whether to believe it.
+    /// Reads a report from a regular file of at most [`MAX_BYTES`]; [`check`](crate::check::check) says whether to believe it.
     ///
     /// # Errors
     /// Where it cannot be read, is cut off or damaged, or is another kind or version of document; the file is named.
@@ -398,6 +397,7 @@ impl Report {
     /// Where the folder cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let text = serde_json::to_vec(self)?;
-        output::write(&folder.join("report.json"), &text)
+        let path = folder.join("report.json");
+        files::write_bytes(&path, &text).with_context(|| path.display().to_string())
     }
 }

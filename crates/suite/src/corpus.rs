@@ -1,7 +1,7 @@
 //! The corpus: portable scenes, each named by what it stresses, and what a suite takes of them.
 
+use crate::named;
 use crate::stage::Plan;
-use crate::view::ModelArgs;
 use glam::DVec3;
 use pipeline::Scheme;
 use pipeline::mask::{MaskOptions, Trimming};
@@ -201,8 +201,7 @@ pub struct PlannedCase {
 impl Corpus {
     /// What `scenes` are in a suite. One whose model cannot be read is a single case, which will say why.
     pub fn new(suite: Suite, scenes: &[&'static Scene]) -> Self {
-        let side = suite.side();
-        let viewport = Viewport::new(side, side).expect("a legal size");
+        let (side, viewport) = (suite.side(), suite.viewport());
         let mut corpus = Self { suite, scenes: vec![], cases: vec![], hash: String::new() };
         let mut hash = files::Hash::new();
         let mut add = |text: &str| {
@@ -282,6 +281,11 @@ impl Suite {
         }
     }
 
+    /// The size of its pictures.
+    pub fn viewport(self) -> Viewport {
+        Viewport::new(self.side(), self.side()).expect("a legal size")
+    }
+
     /// The scenes that it runs.
     pub fn scenes(self) -> Vec<&'static Scene> {
         let rank = |suite: Suite| suite as usize;
@@ -323,7 +327,7 @@ impl Scene {
     /// # Errors
     /// Where it cannot be read, or there is nothing to look at: why, in words.
     pub fn open(&self) -> Result<Model, String> {
-        let model = ModelArgs::named(self.model).read().map_err(|error| error.to_string())?.model;
+        let model = named::document(self.model).map_err(|error| error.to_string())?.model;
         let size = model.hull().diagonal();
         if 0.0 < size && size.is_finite() { Ok(model) } else { Err(format!("its box is {size} across")) }
     }
