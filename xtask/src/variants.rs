@@ -180,7 +180,7 @@ pub fn run(args: &VariantsArgs) -> Result<ExitCode> {
                     break;
                 }
                 line.variants += 1;
-                let wording = Wording { seed, fault: args.fault };
+                let wording = Wording { seed, fault: args.fault, is_lean: false };
                 let wrong = match differs(stages, &host, wording) {
                     Ok(None) => continue,
                     Ok(Some(found)) => {

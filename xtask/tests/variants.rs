@@ -10,7 +10,7 @@ use xtask::variants::{Kind, differs, reduced, with_stages};
 fn differing(kind: Kind, host: &Opened, seeds: std::ops::Range<u64>, fault: Option<Fault>) -> usize {
     with_stages(kind, |stages| {
         let wrong = seeds.filter_map(|seed| {
-            let found = differs(stages, host, Wording { seed, fault })
+            let found = differs(stages, host, Wording { seed, fault, is_lean: false })
                 .unwrap_or_else(|error| panic!("{kind:?}, seed {seed}: {error:#}"));
             found.map(|(scene, why)| eprintln!("{kind:?}, seed {seed}, {scene}: {why}"))
         });
@@ -55,7 +55,7 @@ fn a_variant_is_another_text_of_the_same_seed_and_every_technique_has_some() {
 #[test]
 fn a_fault_is_reduced_to_a_face_and_eight_pixels_and_written_with_what_shows_it() {
     let folder = std::env::temp_dir().join(format!("isophote-reduced-{}", std::process::id()));
-    let wording = Wording { seed: 7, fault: Some(Fault::Bound) };
+    let wording = Wording { seed: 7, fault: Some(Fault::Bound), is_lean: false };
     with_stages(Kind::Fragment, |stages| {
         let (_, judged) = stages.iter().find(|(name, _)| *name == "trim-nested-islands").expect("a scene");
         reduced::write(&folder, judged.stage(), wording, &Opened::Machine)
@@ -63,8 +63,11 @@ fn a_fault_is_reduced_to_a_face_and_eight_pixels_and_written_with_what_shows_it(
     .expect("it differs, and can be written");
     let read = |file: &str| std::fs::read_to_string(folder.join(file)).expect("written");
     let model = isophote::view::ModelArgs::named(folder.join("model.json").to_str().expect("UTF-8")).open();
-    assert_eq!(model.expect("it opens again").faces().len(), 1);
+    let model = model.expect("it opens again");
+    assert_eq!(model.faces().len(), 1);
     assert!(read("README.md").contains("--size 2x2"), "{}", read("README.md"));
     assert!(read("program-0.wgsl").contains("fn fragment_gbuffer"));
+    // One of its four loops has nothing to do with it, and one span is enough, of three each way.
+    assert_eq!((model.faces()[0].loops.len(), model.surfaces()[0].control_counts()), (3, [4, 4]));
     std::fs::remove_dir_all(&folder).expect("it is there");
 }

@@ -108,19 +108,23 @@ fn record(args: &RecordArgs) -> Result<()> {
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let stage = Stage::new(&model, camera, viewport, Plan { edges: false, ..args.drawing.plan() })?;
-    let (contents, drawn) = recorded(&stage, args.drawing.adapter.as_deref())?;
+    let (contents, drawn) = recorded(&stage, args.drawing.adapter.as_deref(), gpu::Overrides::default())?;
     contents.write(&folder)?;
     args.gbuffer.iter().try_for_each(|path| drawn.write_npz(path))?;
     say!("a capsule of {} files is in {}", contents.capsule().files.len() + 1, folder.display())
 }
 
-/// The capsule of a stage, and the G-buffer that was drawn to record it.
+/// The capsule of a stage, drawn with these faults, and the G-buffer that was drawn to record it.
 ///
 /// # Errors
 /// Where the adapter refuses, or the picture needs more than a capsule holds.
-pub fn recorded(stage: &Stage, adapter: Option<&str>) -> Result<(Contents, gbuffer::GBuffer)> {
+pub fn recorded(
+    stage: &Stage,
+    adapter: Option<&str>,
+    overrides: gpu::Overrides<'_>,
+) -> Result<(Contents, gbuffer::GBuffer)> {
     let recording = Recording::new(adapter)?;
-    let drawn = stage.gpu(recording.device(), None, gpu::Overrides::default())?.gbuffer;
+    let drawn = stage.gpu(recording.device(), None, overrides)?.gbuffer;
     let contents = recording.finish(&stage.scene, &drawn, !stage.plan.vertex_normals)?;
     Ok((contents, drawn))
 }

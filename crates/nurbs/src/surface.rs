@@ -67,6 +67,36 @@ impl Surface {
         Ok(Self { knots: [knots_u, knots_v], points, weights, hull, origin: center, local })
     }
 
+    /// The part of it over a range of one parameter, with the same parameters, clamped at both ends of that: see
+    /// [`restricted`](crate::restricted).
+    ///
+    /// # Errors
+    /// [`NurbsError::EmptyDomain`], [`NurbsError::OutsideDomain`].
+    pub fn restricted(&self, direction: Direction, range: [f64; 2]) -> Result<Self, NurbsError> {
+        let [rows, columns] = self.control_counts();
+        let weight = |i: usize| self.weights.as_ref().map_or(1.0, |w| w[i]);
+        let point = |i: usize| (self.points[i] * weight(i)).extend(weight(i));
+        let lines: Vec<Vec<DVec4>> = match direction {
+            Direction::U => (0..columns).map(|j| (0..rows).map(|i| point(i * columns + j)).collect()).collect(),
+            Direction::V => (0..rows).map(|i| (0..columns).map(|j| point(i * columns + j)).collect()).collect(),
+        };
+        let mut knots = self.knots.clone();
+        let own = &mut knots[direction as usize];
+        let parts = lines.iter().map(|line| crate::restricted(self.knots(direction), line, range));
+        let parts = parts.collect::<Result<Vec<_>, _>>()?;
+        *own = parts[0].0.clone();
+        let along = own.control_count();
+        let at = |i: usize, j: usize| match direction {
+            Direction::U => parts[j].1[i],
+            Direction::V => parts[i].1[j],
+        };
+        let [rows, columns] = if direction == Direction::U { [along, columns] } else { [rows, along] };
+        let all = (0..rows).flat_map(|i| (0..columns).map(move |j| [i, j])).map(|[i, j]| at(i, j));
+        let (points, weights) = all.map(|a| (a.truncate() / a.w, a.w)).unzip();
+        let [u, v] = knots;
+        Self::new(u, v, points, self.weights.as_ref().map(|_| weights))
+    }
+
     /// The same surface with control point (i, j) at `point`; its weight stays.
     ///
     /// # Errors

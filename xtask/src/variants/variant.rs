@@ -108,6 +108,42 @@ fn renamed(program: &str, called: &[&str], random: &mut Random) -> String {
     out + &program[copied..]
 }
 
+/// The program without the declarations that neither entry points nor `called` functions come to.
+pub fn lean(program: &str, called: &[&str]) -> String {
+    let text = Text::new(program);
+    let declarations = text.declarations();
+    let name = |tokens: &std::ops::Range<usize>| {
+        let names_one = |i: &usize| ["fn", "struct", "const", "override", "alias", "var"].contains(&text.word(*i));
+        let at = tokens.clone().find(names_one)?;
+        // Behind the address space of a variable, if it has one.
+        let list = text.kind(at + 1) == Some(Kind::Template);
+        let end = (at..tokens.end).find(|&k| list && text.word(k) == ">").unwrap_or(at);
+        Some(text.word(end + 1))
+    };
+    let is_root = |tokens: &std::ops::Range<usize>| {
+        let stage = |i: usize| {
+            text.kind(i) == Some(Kind::Attribute) && ["@vertex", "@fragment", "@compute"].contains(&text.word(i))
+        };
+        name(tokens).is_none_or(|name| called.contains(&name)) || tokens.clone().any(stage)
+    };
+    let mut kept: Vec<bool> = declarations.iter().map(is_root).collect();
+    let mut used: BTreeSet<&str> = BTreeSet::new();
+    let mut waiting: Vec<usize> = (0..kept.len()).filter(|&k| kept[k]).collect();
+    while let Some(k) = waiting.pop() {
+        let words = declarations[k].clone().map(|i| text.word(i));
+        // The sizes of a workgroup stand inside of an attribute.
+        used.extend(words.flat_map(|word| word.split(|c: char| !(c.is_alphanumeric() || c == '_'))));
+        for (other, tokens) in declarations.iter().enumerate() {
+            if !kept[other] && name(tokens).is_some_and(|name| used.contains(name)) {
+                kept[other] = true;
+                waiting.push(other);
+            }
+        }
+    }
+    let kept = declarations.into_iter().zip(kept).filter(|(_, kept)| *kept);
+    kept.map(|(tokens, _)| text.between(tokens).to_owned() + "\n").collect()
+}
+
 /// The declarations in another order; directives stay in front.
 fn reordered(program: &str, random: &mut Random) -> String {
     let text = Text::new(program);
@@ -117,4 +153,28 @@ fn reordered(program: &str, random: &mut Random) -> String {
     let (front, mut rest): (Vec<_>, Vec<_>) = declarations.into_iter().partition(is_directive);
     random.shuffle(&mut rest);
     front.into_iter().chain(rest).map(|tokens| text.between(tokens).to_owned() + "\n").collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lean_program_keeps_what_its_entry_points_come_to() {
+        let program = "const A: u32 = 1u;\nconst B: u32 = A;\nconst LANES: u32 = 4u;\n\
+                       @group(0) @binding(0) var<storage, read> read_here: array<u32>;\n\
+                       @group(0) @binding(1) var<storage, read> never: array<u32>;\n\
+                       struct Kept {\n x: f32,\n}\nstruct Dropped {\n x: f32,\n}\n\
+                       fn taken(k: Kept) -> f32 { return k.x; }\nfn dropped(d: Dropped) -> f32 { return d.x; }\n\
+                       fn called() -> u32 { return B; }\n\
+                       @compute @workgroup_size(LANES)\nfn entry() { let x = taken(Kept(f32(read_here[0]))); }\n";
+        let kept = |name: &str, lean: &str| lean.contains(name);
+        let lean_program = lean(program, &["called"]);
+        assert!(is_legal(program) && is_legal(&lean_program));
+        for name in ["A", "B", "LANES", "read_here", "Kept", "fn taken", "fn called", "fn entry"] {
+            assert!(kept(name, &lean_program), "{name}: {lean_program}");
+        }
+        assert!(!["never", "Dropped", "dropped"].iter().any(|name| kept(name, &lean_program)), "{lean_program}");
+        assert!(!kept("fn called", &lean(program, &[])));
+    }
 }

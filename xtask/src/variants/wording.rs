@@ -73,9 +73,19 @@ pub struct Wording {
     pub seed: u64,
     /// The fault, if any.
     pub fault: Option<Fault>,
+    /// Whether declarations that nothing uses are left out.
+    pub is_lean: bool,
 }
 
 impl Wording {
+    /// A program in these words.
+    pub fn program(self, variant: Variant, host: &Opened) -> String {
+        let right = wgsl::source(variant);
+        let text = self.fault.map_or(right.clone(), |fault| fault.put(&right));
+        let program = variant::variant(&text, self.seed, host.called());
+        if self.is_lean { variant::lean(&program, host.called()) } else { program }
+    }
+
     /// Draws a scene; what is wrong with the picture, if anything is.
     ///
     /// # Errors
@@ -85,9 +95,8 @@ impl Wording {
         let programs = RefCell::new(vec![]);
         let source = |variant: Variant| {
             let right = wgsl::source(variant);
-            let text = self.fault.map_or(right.clone(), |fault| fault.put(&right));
-            is_put.set(is_put.get() || text != right);
-            let program = variant::variant(&text, self.seed, host.called());
+            is_put.set(is_put.get() || self.fault.is_some_and(|fault| fault.put(&right) != right));
+            let program = self.program(variant, host);
             programs.borrow_mut().push(program.clone());
             program
         };

@@ -56,7 +56,7 @@ impl Adapter for Dawn {
 
     fn draw(&mut self, stage: &Stage) -> Result<OnGpu, DrawError> {
         let draw = || {
-            let (contents, _) = recorded(stage, None)?;
+            let (contents, _) = recorded(stage, None, gpu::Overrides::default())?;
             let played = played(&self.folder, self.adapter.as_deref(), &contents)?;
             let drawn_by = &played.answer().host;
             ensure!(*drawn_by == self.host, "it was drawn on {}, not on {}", drawn_by.adapter, self.host.adapter);

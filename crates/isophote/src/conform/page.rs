@@ -134,7 +134,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
             for plan in suite.plans(scene) {
                 let options = scene.options(&camera, viewport, plan);
                 let contents = Stage::new(&model, camera, viewport, plan)
-                    .and_then(|stage| recorded(&stage, args.adapter.as_deref()))
+                    .and_then(|stage| recorded(&stage, args.adapter.as_deref(), gpu::Overrides::default()))
                     .with_context(|| scene.key(*viewpoint, plan).to_string())?
                     .0;
                 cases.push(CaseData { options, files: packed.capsule(contents) });

@@ -31,7 +31,7 @@ fn the_page_plays_a_capsule_and_its_answer_agrees_with_the_rays() {
     let viewport = Viewport::new(24, 24).expect("a legal size");
     let camera = Camera::framing(&model, viewport);
     let stage = Stage::new(&model, camera, viewport, Plan::default()).expect("it is drawn");
-    let (contents, _) = recorded(&stage, None).expect("an adapter");
+    let (contents, _) = recorded(&stage, None, gpu::Overrides::default()).expect("an adapter");
     let (capsule, answer) = (folder.join("capsule"), folder.join("answer"));
     contents.write(&capsule).expect("a folder can be written");
     std::fs::create_dir_all(&answer).expect("a folder can be made");
