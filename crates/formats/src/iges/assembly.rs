@@ -235,7 +235,8 @@ impl Walk<'_, '_, '_> {
         Ok(())
     }
 
-    /// An instance (408) of a definition (308): scaled, moved, and moved by its own matrix.
+    /// An instance (408) of a definition (308): moved by the definition's matrix, scaled, moved by its own matrix, and then by what
+    /// it says itself, which no matrix turns (IGES 5.3, 3.6.2).
     fn subfigure(&mut self, entry: &Entry, motion: &Motion) -> Result<(), Fault> {
         let entity = self.geometry.get(entry.number)?;
         let own = entity.parameters();
@@ -258,9 +259,11 @@ impl Walk<'_, '_, '_> {
         let inner = self.geometry.get_of(definition, 308, "a definition")?;
         let own = inner.parameters();
         let members = own.pointers(4, own.count(3, 1)?)?;
-        let place = Motion::new([DVec3::X * scale, DVec3::Y * scale, DVec3::Z * scale], origin);
-        let outer = motion.after(&self.geometry.motion(entry.matrix)?);
-        let motion = outer.after(&place).after(&self.geometry.motion(inner.entry.matrix)?);
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        let moved = motion.after(&Motion::new(axes, origin));
+        let turned = moved.after(&self.geometry.motion(entry.matrix)?);
+        let scaled = turned.after(&Motion::new(axes.map(|axis| axis * scale), DVec3::ZERO));
+        let motion = scaled.after(&self.geometry.motion(inner.entry.matrix)?);
         self.path.push(definition);
         for member in members {
             self.enter(member, &motion, false, None);

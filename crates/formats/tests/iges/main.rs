@@ -11,6 +11,7 @@ mod common;
 mod corpus;
 #[path = "../formats/green.rs"]
 mod green;
+mod instances;
 mod levels;
 mod looks;
 #[path = "../formats/opencascade.rs"]
