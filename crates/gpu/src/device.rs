@@ -332,6 +332,7 @@ pub(crate) fn plain(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{SOFTWARE_DRIVER, remedy};
 
     fn adapter(name: &str, kind: AdapterKind) -> (AdapterInfo, ()) {
         let text = String::new;
@@ -350,7 +351,18 @@ mod tests {
     fn without_any_adapter_the_message_tells_how_to_install_one() {
         let error = choose::<()>(vec![], None).unwrap_err();
         assert_eq!(error, GpuError::NoAdapter);
-        assert!(error.to_string().contains("apt-get install mesa-vulkan-drivers libvulkan1"), "{error}");
+        assert!(error.to_string().contains(&remedy(std::env::consts::OS)), "{error}");
+    }
+
+    #[test]
+    fn each_platform_is_told_of_its_own_driver() {
+        let words =
+            [("linux", SOFTWARE_DRIVER), ("macos", "Metal"), ("windows", "Direct3D 12"), ("freebsd", "Vulkan driver")];
+        for (platform, word) in words {
+            assert!(remedy(platform).contains(word), "{platform}: {}", remedy(platform));
+            let is_debian = remedy(platform).contains("apt-get");
+            assert_eq!(is_debian, platform == "linux", "{platform}");
+        }
     }
 
     #[test]

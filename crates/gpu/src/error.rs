@@ -5,12 +5,27 @@ use std::time::Duration;
 /// The line that installs a software Vulkan driver on Debian and its kin.
 pub const SOFTWARE_DRIVER: &str = "apt-get install mesa-vulkan-drivers libvulkan1";
 
+/// What helps where no adapter was found, by the platform's name as [`std::env::consts::OS`] has it: Vulkan, Metal or Direct3D 12
+/// is what is asked there.
+pub fn remedy(platform: &str) -> String {
+    match platform {
+        "linux" => {
+            format!("a software one comes with `{SOFTWARE_DRIVER}`, or what your system calls Mesa's Vulkan drivers")
+        }
+        "macos" | "ios" => {
+            "Metal is asked, which macOS brings on every Mac; a virtual machine needs a paravirtual GPU".to_owned()
+        }
+        "windows" => "Direct3D 12 and Vulkan are asked; Windows 10 and later bring a software one (WARP)".to_owned(),
+        _ => "install a Vulkan driver; Mesa's lavapipe needs no GPU".to_owned(),
+    }
+}
+
 /// Why the GPU gave no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
     /// No adapter at all.
-    #[error("no GPU adapter was found; a software one comes with `{SOFTWARE_DRIVER}`")]
+    #[error("no GPU adapter was found; {}", remedy(std::env::consts::OS))]
     NoAdapter,
     /// No adapter of the name asked for.
     #[error("no adapter's name contains {wanted:?}; there are: {}", found.join(", "))]

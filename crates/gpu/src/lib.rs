@@ -29,7 +29,7 @@ mod targets;
 
 pub use buffers::{SceneBuffers, SceneLayouts};
 pub use device::{AdapterInfo, AdapterKind, Atomics, COMPILER, Device, adapters};
-pub use error::{GpuError, SOFTWARE_DRIVER};
+pub use error::{GpuError, SOFTWARE_DRIVER, remedy};
 pub use faults::{DepthOrder, Overrides};
 pub use grid::{Grid, Rounding};
 pub use ieee::{constants as strict_constants, strict};

@@ -40,7 +40,7 @@ pub fn run(args: &AdaptersArgs) -> Result<()> {
                 .collect();
             terminal::json(&json!({ "adapters": list }))?;
         }
-        Format::Table if adapters.is_empty() => say!("none; a software one: {}", gpu::SOFTWARE_DRIVER)?,
+        Format::Table if adapters.is_empty() => say!("none; {}", gpu::remedy(std::env::consts::OS))?,
         Format::Table => {
             let mut table = Table::new();
             table.load_style(UTF8_FULL_CONDENSED);

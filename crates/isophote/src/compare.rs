@@ -5,6 +5,7 @@ mod answer;
 mod args;
 mod judged;
 mod maps;
+mod next;
 mod page;
 mod pictures;
 mod rendered;

@@ -46,7 +46,7 @@ pub struct RenderArgs {
     look: LookArgs,
     #[command(flatten)]
     lines: LineArgs,
-    /// Write a picture (X.png, X.jpg), numbers (X.exr) or lines (X.svg, X.dxf)
+    /// Write a picture (.png, .jpg), numbers (.exr) or lines (.svg, .dxf)
     ///
     /// `-` is standard output, and a PNG picture; `-.svg` is it, too, and SVG, and so for each kind.
     ///

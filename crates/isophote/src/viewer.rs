@@ -2,6 +2,7 @@
 
 mod args;
 mod drawer;
+mod judging;
 mod panel;
 mod reading;
 mod session;
@@ -14,7 +15,7 @@ use scene::escaped;
 
 pub use args::ViewerArgs;
 pub use panel::{PANEL_WIDTH, Window};
-pub use reading::Reading;
+pub use reading::{Reading, Told};
 pub use session::{Saved, Session};
 
 /// Runs the command.

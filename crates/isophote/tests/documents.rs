@@ -105,3 +105,41 @@ fn blocks_of_commands_in_the_documents_run_as_they_are_written() {
     assert!(failure("isophote render teapto\ntrue", &folder).is_some_and(|said| said.contains("did you mean")));
     assert_eq!(self::blocks("<!-- not run: it is long -->\n\n```sh\nfalse\n```\n\n```sh\ntrue\n```\n"), ["true"]);
 }
+
+/// The most words that the sentences of a page have, on average.
+const WORDS: f64 = 16.0;
+
+/// How many words sentences have on average, without tables, code and links' addresses; nought where there are none.
+fn mean_words(text: &str) -> f64 {
+    let without = |pattern: &str, text: &str, with: &str| {
+        regex::Regex::new(pattern).expect("a pattern").replace_all(text, with).into_owned()
+    };
+    let text = without(r"(?s)```.*?```", text, "");
+    let is_prose = |line: &&str| !["|", "#", "<!--", "!["].iter().any(|start| line.starts_with(start));
+    let text = text.lines().filter(is_prose).collect::<Vec<_>>().join("\n");
+    let text = without(r"`[^`]*`", &text, "x");
+    let text = without(r"\]\([^)]*\)", &text, "]");
+    let text = without(r"\n(?:[-*]|\d+\.) ", &text, "\n\n");
+    let ends = regex::Regex::new(r"[.!?:](?:\s|$)|\n\n").expect("a pattern");
+    let lengths = ends.split(&text).map(|sentence| sentence.split_whitespace().count());
+    let lengths: Vec<usize> = lengths.filter(|words| *words > 1).collect();
+    lengths.iter().sum::<usize>() as f64 / lengths.len().max(1) as f64
+}
+
+#[test]
+fn sentences_of_documents_and_help_are_short() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let pages = texts(&root.join("docs")).into_iter().chain([root.join("README.md")]);
+    let pages = pages.filter(|path| path.extension().is_some_and(|e| e == "md"));
+    let mut found: Vec<(String, f64)> = pages
+        .map(|path| (path.display().to_string(), mean_words(&std::fs::read_to_string(&path).expect("a text"))))
+        .collect();
+    assert!(found.len() >= 20);
+    let program = Cli::command();
+    let about = |command: &clap::Command| command.get_long_about().map(|about| about.to_string());
+    found.extend(program.get_subcommands().filter_map(|c| Some((c.get_name().to_owned(), mean_words(&about(c)?)))));
+    let long: Vec<_> = found.iter().filter(|(_, words)| *words > WORDS).collect();
+    assert!(long.is_empty(), "{long:?}");
+    assert!(mean_words(&format!("{}end. A word.", "and so on ".repeat(20))) > WORDS);
+    assert_eq!(mean_words("One two three. `a b c` four\n\n- five six\n\n| a | table of many words |\n"), 7.0 / 3.0);
+}

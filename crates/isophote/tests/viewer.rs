@@ -9,7 +9,7 @@ use clap::Parser;
 use gbuffer::{GBuffer, Picture};
 use glam::DVec2;
 use isophote::stage::{Plan, Stage};
-use isophote::viewer::{PANEL_WIDTH, Session, ViewerArgs, Window};
+use isophote::viewer::{PANEL_WIDTH, Session, Told, ViewerArgs, Window};
 use raycast::Caster;
 use scene::{Camera, Viewport};
 use std::path::{Path, PathBuf};
@@ -122,19 +122,23 @@ fn nothing_is_drawn_while_nothing_moves() {
 fn a_pulled_point_moves_the_surface_and_what_is_read_of_it() {
     let mut session = Session::new(&asked("teapot --size 128x96 --with raster"), None).expect("a session");
     session.pick([50, 50]).expect("a reading");
+    assert_eq!(session.reading().map(|reading| &reading.told), Some(&Told::Awaited), "the window goes on");
+    rested(&mut session);
     let before = session.reading().expect("a reading").clone();
     let face = session.selected().expect("a face");
-    assert!(before.verdict.as_ref().is_some_and(|verdict| verdict.cause.is_none()), "{before:?}");
+    let agrees = |told: &Told| matches!(told, Told::Verdict(verdict) if verdict.cause.is_none());
+    assert!(agrees(&before.told), "{before:?}");
     let points = session.model().surface(face).points().to_vec();
     let seen = |point| session.camera().project(session.viewport(), point).expect("in front").0;
     let at = seen(points[5]);
     assert!(session.grab(at).expect("a picture"));
     session.pull(DVec2::new(12.0, 3.0)).expect("an edit");
     session.release().expect("a reading");
+    rested(&mut session);
     let after = session.model().surface(face).points();
     assert!(session.is_edited() && after.iter().zip(&points).filter(|(a, b)| a != b).count() == 1);
     let reading = session.reading().expect("it is read anew");
-    assert!(reading.hit != before.hit && reading.verdict.as_ref().is_some_and(|verdict| verdict.cause.is_none()));
+    assert!(reading.hit != before.hit && agrees(&reading.told), "{reading:?}");
     // Where there is none, none is taken, and a pull moves nothing.
     let points = after.to_vec();
     assert!(!session.grab(DVec2::new(1.0, 1.0)).expect("a picture"));
@@ -229,6 +233,8 @@ fn a_window_without_a_display_is_turned_read_and_saved() {
     desk.button(Pos2::new(150.0, 200.0), false);
     assert_eq!(desk.window.session().reading().map(|reading| reading.at), Some([150, 200]));
     desk.rest();
+    let told = desk.window.session().reading().map(|reading| &reading.told);
+    assert!(matches!(told, Some(Told::Verdict(_))), "it has come without the mouse: {told:?}");
     let frames = desk.window.session().frames();
     assert_eq!(desk.frame(vec![]).again, None);
     assert_eq!(desk.window.session().frames(), frames);

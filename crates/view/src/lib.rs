@@ -8,6 +8,7 @@ mod canvas;
 pub mod control;
 mod error;
 mod input;
+mod letters;
 pub mod light;
 pub mod orbit;
 mod screen;

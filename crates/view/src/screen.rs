@@ -1,12 +1,12 @@
 //! A frame after the other: what is shown is laid out by egui and painted, with a window or without.
 
 use crate::canvas::Canvas;
+use crate::letters::letters;
 use crate::textures::Textures;
 use egui::{Context, RawInput, Rect, Vec2, ViewportCommand, ViewportId};
 use std::time::Duration;
 
 /// What is shown, and what egui remembers of it.
-#[derive(Default)]
 pub struct Screen {
     context: Context,
     textures: Textures,
@@ -20,6 +20,14 @@ pub struct Shown {
     pub again: Option<Duration>,
     /// Whether what is shown asks to be closed.
     pub is_over: bool,
+}
+
+impl Default for Screen {
+    fn default() -> Self {
+        let context = Context::default();
+        context.set_fonts(letters());
+        Self { context, textures: Textures::default(), canvas: Canvas::default() }
+    }
 }
 
 impl Screen {

@@ -187,6 +187,20 @@ impl DrawingArgs {
         Self { technique, ..self }
     }
 
+    /// Those that are not what they are unless told, as they stand on a command line.
+    ///
+    /// # Errors
+    /// None, as long as all have defaults.
+    pub fn unusual(&self) -> Result<Vec<Words>, clap::Error> {
+        #[derive(clap::Parser)]
+        struct Alone {
+            #[command(flatten)]
+            drawing: DrawingArgs,
+        }
+        let usual = <Alone as clap::Parser>::try_parse_from(["isophote"])?.drawing.words();
+        Ok(self.words().into_iter().filter(|words| !usual.contains(words)).collect())
+    }
+
     /// As they stand on a command line.
     pub fn words(&self) -> Vec<Words> {
         let own = [

@@ -2,6 +2,7 @@
 
 use super::answer::{SCHEMA_VERSION, answer};
 use super::args::CompareArgs;
+use super::next::Next;
 use super::page::Page;
 use super::pictures::Pictures;
 use super::saved::{Saved, SavedComparison, SavedFile};
@@ -9,6 +10,7 @@ use super::table;
 use crate::antialias::Antialias;
 use crate::say;
 use crate::text::escaped;
+use crate::view::ViewArgs;
 use anyhow::{Result, bail};
 use compare::{Diagnosis, PairReport};
 use gbuffer::{GBuffer, Meta};
@@ -88,8 +90,10 @@ pub(super) fn run(args: &CompareArgs, files: &[&String]) -> Result<ExitCode> {
     ];
     facts.extend(report.files.iter().map(|file| ("file", file.line())));
     let (line, code, viewport) = (comparison.line(), comparison.exit_code(), saved.viewport);
-    let page = Page { model: report.model, line: line.clone(), code, facts, pairs, viewport };
-    answer(args, &report, &pictures, &page, || print(&report, &line))?;
+    let name = args.of_model.as_deref().unwrap_or(report.model);
+    let next = Next::new(name, &ViewArgs::of(&saved.camera, saved.viewport), &args.drawing)?;
+    let page = Page { model: report.model, line: line.clone(), code, facts, pairs, viewport, next: &next };
+    answer(args, &report, &pictures, &page, || print(&report, &line, &next))?;
     Ok(ExitCode::from(code))
 }
 
@@ -115,13 +119,13 @@ impl<'a> FileReport<'a> {
     }
 }
 
-fn print(report: &Report, line: &str) -> Result<()> {
+fn print(report: &Report, line: &str, next: &Next) -> Result<()> {
     say!("{}, {}x{}", escaped(report.model), report.size[0], report.size[1])?;
     report.files.iter().try_for_each(|file| say!("{}", file.line()))?;
     if let Some(renderer) = report.regression_of {
         say!("a check for regressions: both files are of {}, the second is held against the first", escaped(renderer))?;
     }
-    table::pairs(report.pairs)?;
+    table::pairs(report.pairs, next)?;
     if report.undecided > 0 {
         say!("the ray caster left {} pixels undecided", report.undecided)?;
     }

@@ -1,6 +1,7 @@
 //! One comparison as one HTML file that opens from disk: the answer, pictures, maps of what was judged, tables and settings.
 
 use super::maps::{self, AGREES, BEYOND, NO_VERDICT, SHARE_ENDS};
+use super::next::Next;
 use super::pictures::Pictures;
 use super::verdict::short;
 use crate::embedded::data_uri;
@@ -24,6 +25,8 @@ pub(super) struct Page<'a> {
     pub facts: Vec<(&'static str, String)>,
     pub pairs: &'a [PairReport],
     pub viewport: Viewport,
+    /// What says more of a pixel.
+    pub next: &'a Next,
 }
 
 impl Page<'_> {
@@ -111,13 +114,13 @@ impl Page<'_> {
             writeln!(page, "<tr><th scope=\"row\">{what}</th><td>{value}</td></tr>")?;
         }
         page.push_str("</tbody></table>\n");
-        worst(page, pair)?;
+        worst(page, pair, self.next)?;
         page.push_str("</section>\n");
         Ok(())
     }
 }
 
-fn worst(page: &mut String, pair: &PairReport) -> Result<()> {
+fn worst(page: &mut String, pair: &PairReport, next: &Next) -> Result<()> {
     if pair.worst.is_empty() {
         return Ok(());
     }
@@ -133,6 +136,9 @@ fn worst(page: &mut String, pair: &PairReport) -> Result<()> {
         )?;
     }
     page.push_str("</tbody></table></div>\n");
+    if let Some(pixel) = pair.worst.first() {
+        writeln!(page, "<h3>Next</h3><code>{}</code>", html(&next.command(pixel)))?;
+    }
     Ok(())
 }
 

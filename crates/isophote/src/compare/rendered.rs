@@ -2,6 +2,7 @@
 
 use super::answer::{SCHEMA_VERSION, answer, exit_code};
 use super::args::CompareArgs;
+use super::next::Next;
 use super::page::Page;
 use super::pictures::Pictures;
 use super::report::{Report, Strict};
@@ -30,8 +31,8 @@ struct Sample {
 }
 
 /// Runs the command.
-pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
-    let Document { model, notes, .. } = model.document()?;
+pub(super) fn run(args: &CompareArgs, asked: &ModelArgs) -> Result<ExitCode> {
+    let Document { model, notes, .. } = asked.document()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
     let plan = Plan { edges: args.antialias == Antialias::Trims, ..args.drawing.plan() };
@@ -95,8 +96,9 @@ pub(super) fn run(args: &CompareArgs, model: &ModelArgs) -> Result<ExitCode> {
         ("program", env!("CARGO_PKG_VERSION").to_owned()),
     ];
     facts.extend(report.notes.iter().map(|note| ("note", note.clone())));
-    let page = Page { model: model.name(), line: report.line(), code, facts, pairs: &pairs, viewport };
-    answer(args, &report, &pictures, &page, || table::print(&report))?;
+    let next = Next::new(&asked.model, &args.view, &args.drawing)?;
+    let page = Page { model: model.name(), line: report.line(), code, facts, pairs: &pairs, viewport, next: &next };
+    answer(args, &report, &pictures, &page, || table::print(&report, &next))?;
     Ok(ExitCode::from(code))
 }
 

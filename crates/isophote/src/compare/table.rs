@@ -1,5 +1,6 @@
 //! A comparison in words and columns.
 
+use super::next::Next;
 use super::report::Report;
 use super::verdict::short;
 use crate::antialias::SampleReport;
@@ -14,7 +15,7 @@ use std::collections::BTreeSet;
 const LISTED: usize = 4;
 
 /// Prints what the three renderers' comparison found.
-pub(super) fn print(report: &Report) -> Result<()> {
+pub(super) fn print(report: &Report, next: &Next) -> Result<()> {
     let adapter = match (&report.adapter, &report.gpu_not_run) {
         (Some(name), _) => format!("{name} ({})", report.driver.as_deref().unwrap_or("driver unknown")),
         (None, Some(why)) => format!("NOT RUN: {why}"),
@@ -37,7 +38,7 @@ pub(super) fn print(report: &Report) -> Result<()> {
     if report.samples.len() > 1 {
         say!("{} samples a pixel, each judged by itself: pixels count once for each", report.samples.len())?;
     }
-    pairs(report.pairs)?;
+    pairs(report.pairs, next)?;
     shifts(report)?;
     if let Some(shaded) = &report.shaded {
         let verdict = if shaded.verdict == Verdict::Differ { "DIFFER" } else { "agree" };
@@ -84,7 +85,7 @@ const HEADINGS: &str = concat!(
 ///
 /// # Errors
 /// Where standard output takes no more.
-pub(super) fn pairs(pairs: &[PairReport]) -> Result<()> {
+pub(super) fn pairs(pairs: &[PairReport], next: &Next) -> Result<()> {
     let mut table = terminal::narrow_table();
     table.set_header(["reference | candidate", "covered", "differ", "off, px", "allowed", "verdict"]);
     for pair in pairs {
@@ -141,10 +142,16 @@ pub(super) fn pairs(pairs: &[PairReport]) -> Result<()> {
         if let Some(same) = pair.identical {
             say!("  {} of {} pixels at the same (u, v) agree in every bit", same.identical, same.alike)?;
         }
+        if !pair.causes.is_empty() {
+            say!("  what each cause means: docs/gbuffer.md#when-it-differs")?;
+        }
         for (cause, count) in &pair.causes {
             say!("  {count} pixels: {}", cause.label())?;
             for pixel in pair.worst.iter().filter(|pixel| pixel.cause == *cause).take(LISTED) {
                 say!("    ({}, {}){}: {}", pixel.x, pixel.y, sample(pixel.sample), pixel.detail)?;
+            }
+            if let Some(pixel) = pair.worst.iter().find(|pixel| pixel.cause == *cause) {
+                say!("    next: {}", escaped(&next.command(pixel)))?;
             }
         }
     }

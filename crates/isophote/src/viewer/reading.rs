@@ -22,8 +22,21 @@ pub struct Reading {
     pub hit: Option<Hit>,
     /// The name of its face, where the file has one.
     pub name: Option<Arc<str>>,
-    /// What a ray says that was cast there; `None` where the window itself shows rays.
-    pub verdict: Option<PixelVerdict>,
+    /// What a ray says that is cast there.
+    pub told: Told,
+}
+
+/// What a ray says of a pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Told {
+    /// Nothing: the window itself shows rays.
+    RayItself,
+    /// It is being cast.
+    Awaited,
+    /// A verdict.
+    Verdict(PixelVerdict),
+    /// No verdict could be given, and why.
+    Failed(String),
 }
 
 impl Reading {
@@ -51,8 +64,11 @@ impl Reading {
     }
 
     fn verdict(&self) -> String {
-        let Some(PixelVerdict { cause, detail, unbounded, .. }) = &self.verdict else {
-            return "the ray itself".to_owned();
+        let PixelVerdict { cause, detail, unbounded, .. } = match &self.told {
+            Told::RayItself => return "the ray itself".to_owned(),
+            Told::Awaited => return "is being judged …".to_owned(),
+            Told::Failed(why) => return format!("none: {why}"),
+            Told::Verdict(verdict) => verdict,
         };
         match (cause, unbounded) {
             (Some(cause), _) => format!("differs, {}: {detail}", cause.label()),

@@ -2,10 +2,12 @@
 
 use super::args::ViewerArgs;
 use super::drawer::{Drawer, Scene};
-use super::reading::Reading;
+use super::judging::{Judging, Question};
+use super::reading::{Reading, Told};
 use crate::compare::DrawingArgs;
 use crate::look::{LookArgs, Painter};
 use crate::output;
+use crate::stage::Stage;
 use crate::view::{ModelArgs, ViewArgs};
 use crate::with::With;
 use crate::words::{self, Words};
@@ -16,14 +18,17 @@ use export::{Asked, export};
 use formats::Document;
 use gbuffer::{GBuffer, Picture};
 use glam::{DVec2, DVec3};
-use raycast::Caster;
 use scene::{Camera, FaceId, Model, Projection, Viewport};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use techniques::Technique;
 
 /// How long nothing moves before the picture is drawn in full.
 const REST: Duration = Duration::from_millis(150);
+
+/// How long it takes to look whether a verdict has come.
+const LISTEN: Duration = Duration::from_millis(50);
 
 /// A frame that takes longer makes the next ones smaller, while something moves; one that takes a quarter of it, larger.
 const SLOW: Duration = Duration::from_millis(80);
@@ -83,6 +88,8 @@ pub struct Session<'d> {
     look: LookArgs,
     out: PathBuf,
     reading: Option<Reading>,
+    /// What is said of it.
+    judging: Judging,
     /// The face whose control points are shown and can be moved: that of the pixel that was picked last.
     selected: Option<FaceId>,
     grabbed: Option<(FaceId, [usize; 2])>,
@@ -90,7 +97,7 @@ pub struct Session<'d> {
     shown: Shown,
     picture: Option<Picture>,
     /// What the picture at rest is made of.
-    at_rest: Option<GBuffer>,
+    at_rest: Option<Arc<GBuffer>>,
     /// How the picture was painted that was last made of a G-buffer.
     painter: Option<Painter>,
     coarseness: usize,
@@ -120,6 +127,7 @@ impl<'d> Session<'d> {
             look: args.look.clone(),
             out: args.out.clone().unwrap_or_else(|| PathBuf::from(PICTURE)),
             reading: None,
+            judging: Judging::default(),
             selected: None,
             grabbed: None,
             drawer: Drawer::new(args.with, device),
@@ -318,12 +326,14 @@ impl<'d> Session<'d> {
         self.selected
     }
 
-    /// Reads a pixel, and judges it by a ray that is cast there. Outside of the picture nothing is read.
+    /// Reads a pixel, and has it judged by a ray that is cast there: [`Self::draw`] takes the verdict when it has come. Outside of
+    /// the picture nothing is read.
     ///
     /// # Errors
     /// Where the picture cannot be drawn.
     pub fn pick(&mut self, at: [usize; 2]) -> Result<()> {
         self.reading = None;
+        self.judging.forget();
         if at[0] >= self.viewport.width() || at[1] >= self.viewport.height() {
             return Ok(());
         }
@@ -331,22 +341,38 @@ impl<'d> Session<'d> {
         let Some(buffer) = &self.at_rest else { return Ok(()) };
         let model = &self.document.model;
         let stage = self.drawer.stage(scene(model, self.camera, self.viewport, &self.drawing));
-        let judge = |stage: crate::stage::Stage| stage.against_ray(&Caster::new(model), buffer, at);
-        let verdict = stage.filter(|_| self.drawer.with() != With::Raycast).map(judge).transpose()?;
+        let told = match stage.filter(|_| self.drawer.with() != With::Raycast) {
+            None => Told::RayItself,
+            Some(Stage { camera, viewport, plan, scene, prepared, .. }) => {
+                let (model, buffer) = (model.clone(), buffer.clone());
+                self.judging.ask(Question { model, camera, viewport, plan, scene, prepared, buffer, at });
+                Told::Awaited
+            }
+        };
         let hit = buffer.get(at[0], at[1]).copied();
         let named = |face: FaceId| self.document.attributes.get(face.0 as usize)?.name.clone();
         self.selected = hit.map(|hit| hit.face);
-        self.reading = Some(Reading { at, hit, name: hit.and_then(|hit| named(hit.face)), verdict });
+        self.reading = Some(Reading { at, hit, name: hit.and_then(|hit| named(hit.face)), told });
         Ok(())
     }
 
-    /// Draws what is to be drawn at this time, and says when there will be more; `None` where the picture is at rest.
+    /// Takes a verdict that has come; says when to look again where one is to come.
+    fn listen(&mut self) -> Option<Duration> {
+        if let (Some(answer), Some(reading)) = (self.judging.answered(), &mut self.reading) {
+            reading.told = answer.map_or_else(Told::Failed, Told::Verdict);
+        }
+        self.judging.is_awaited().then_some(LISTEN)
+    }
+
+    /// Draws what is to be drawn at this time, and says when there will be more; `None` where the picture is at rest, and no verdict
+    /// is awaited.
     ///
     /// # Errors
     /// Where it cannot be drawn.
     pub fn draw(&mut self, now: Instant) -> Result<Option<Duration>> {
+        let verdict = self.listen();
         match self.shown {
-            Shown::AtRest => return Ok(None),
+            Shown::AtRest => return Ok(verdict),
             Shown::Moving(since) if now.duration_since(since) < REST => {
                 return Ok(Some(REST - now.duration_since(since)));
             }
@@ -357,7 +383,7 @@ impl<'d> Session<'d> {
             }
             Shown::Moving(_) | Shown::Awaited => self.draw_in_full()?,
         }
-        Ok(None)
+        Ok(verdict)
     }
 
     /// Writes the picture at rest, the command that draws it again (X.sh), and the model where it was edited (X.json). Files that are
@@ -413,6 +439,7 @@ impl<'d> Session<'d> {
     /// The picture is not what is to be shown any more, and what was read of it is elsewhere now.
     fn changed(&mut self) {
         (self.shown, self.at_rest, self.reading) = (Shown::Behind, None, None);
+        self.judging.forget();
     }
 
     fn look_from(&mut self, camera: Camera) {
@@ -435,7 +462,7 @@ impl<'d> Session<'d> {
             self.drawer.gbuffer(scene(&self.document.model, self.camera, self.viewport, &self.drawing), false)?;
         let painter = self.look.painter(&buffer, &self.length(), None);
         self.picture = Some(painter.painted(&buffer, &self.document.model, &self.camera)?);
-        (self.at_rest, self.painter, self.shown) = (Some(buffer), Some(painter), Shown::AtRest);
+        (self.at_rest, self.painter, self.shown) = (Some(Arc::new(buffer)), Some(painter), Shown::AtRest);
         (self.took, self.frames) = (start.elapsed(), self.frames + 1);
         Ok(())
     }

@@ -46,6 +46,7 @@ fn every_option_comes_back_from_its_words() {
             "--shade highlight --stripes 5 --stripe-direction -12.5 --background transparent",
             "--shade draft --pull 0 -1 1e-3 --range -1e-7:2.5",
             "--shade mean --range auto --background white",
+            "--shade deviation --against old.step",
         ],
         LookArgs::words,
     );
