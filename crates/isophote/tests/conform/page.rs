@@ -50,7 +50,7 @@ fn written(folder: &Path, judge: &Path) -> PathBuf {
 fn outcome(flags: &[&str], file: &Path, folder: &Path, spoil: &str) -> (String, Vec<String>, Report) {
     let mut page = Page::open_with(flags, file, folder.join("profile"), [1200, 900]);
     let started = Instant::now();
-    let mut wait = |page: &mut Page, expression: &str, expected: Value| {
+    let wait = |page: &mut Page, expression: &str, expected: Value| {
         while page.evaluate(expression) != expected {
             assert!(started.elapsed() < PATIENCE, "{expression} stays {}", page.evaluate(expression));
             std::thread::sleep(Duration::from_millis(50));
