@@ -37,14 +37,13 @@ const MAX_JUDGE: u64 = 1 << 26;
 /// Write a page that judges a visitor's own GPU, in one HTML file
 ///
 /// The file opens from a disk or any server of files; it fetches nothing and sends nothing. It plays the suite by the browser's
-/// WebGPU, judges each picture as `conform` does, and offers a report for `conform merge`. The judge is a module of
-/// WebAssembly: `cargo build --release -p judge --target wasm32-wasip1` (docs/hosts.md).
+/// WebGPU, judges each picture as `conform` does, and offers a report for `conform merge` (docs/hosts.md).
 #[derive(Debug, Args)]
 pub struct PageArgs {
     /// The page
     #[arg(value_name = "FILE.html")]
     page: PathBuf,
-    /// The judge, as the command above leaves it
+    /// The judge, as `cargo build --release -p judge --target wasm32-wasip1` leaves it
     #[arg(long, value_name = "FILE.wasm", default_value = "target/wasm32-wasip1/release/judge.wasm")]
     judge: PathBuf,
     /// How much of the corpus
