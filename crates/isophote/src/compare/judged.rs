@@ -8,7 +8,6 @@ use super::saved::{Saved, SavedComparison, SavedFile};
 use super::table;
 use crate::antialias::Antialias;
 use crate::say;
-use crate::text::escaped;
 use anyhow::{Result, bail};
 use compare::{Diagnosis, PairReport};
 use gbuffer::{GBuffer, Meta};
@@ -16,6 +15,7 @@ use scene::Camera;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use suite::text::escaped;
 
 #[derive(Serialize)]
 struct Report<'a> {

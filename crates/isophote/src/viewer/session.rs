@@ -331,7 +331,7 @@ impl<'d> Session<'d> {
         let Some(buffer) = &self.at_rest else { return Ok(()) };
         let model = &self.document.model;
         let stage = self.drawer.stage(scene(model, self.camera, self.viewport, &self.drawing));
-        let judge = |stage: crate::stage::Stage| stage.against_ray(&Caster::new(model), buffer, at);
+        let judge = |stage: suite::stage::Stage| stage.against_ray(&Caster::new(model), buffer, at);
         let verdict = stage.filter(|_| self.drawer.with() != With::Raycast).map(judge).transpose()?;
         let hit = buffer.get(at[0], at[1]).copied();
         let named = |face: FaceId| self.document.attributes.get(face.0 as usize)?.name.clone();
