@@ -1,13 +1,13 @@
 //! `capsule`: what a picture is made by, for any host of WebGPU; and what a host made of it.
 
 use crate::compare::DrawingArgs;
-use crate::stage::{Plan, Stage};
 use crate::view::{ModelArgs, ViewArgs};
 use crate::{output, say};
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use gpu::capsule::{self, Contents, Played, Recording};
 use std::path::PathBuf;
+use suite::stage::{Plan, Stage};
 
 /// Write what a GPU picture is made by, for any WebGPU host to draw
 ///

@@ -1,11 +1,11 @@
 //! What a frame costs: time on the CPU and on the GPU, bytes sent and bytes held.
 
-use crate::stage::Stage;
 use anyhow::Result;
 use gbuffer::{ShadeKind, Shading};
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::Instant;
+use suite::stage::Stage;
 
 /// Fewest frames of a figure: with one less there is no telling the first from the others.
 const FEWEST_FRAMES: usize = 3;

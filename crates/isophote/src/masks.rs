@@ -1,11 +1,11 @@
 //! Trimming from the command line: by curves or by masks, how fine masks are, and what is said of them.
 
 use crate::number;
-use crate::stage::Stage;
 use crate::words::{self, Words};
 use clap::{Args, ValueEnum};
 use pipeline::mask::{MaskFill, MaskOptions, MaskQuality, Trimming};
 use serde::Serialize;
+use suite::stage::Stage;
 
 /// How far a mask's edge may be off, pixels, unless told.
 const DEFAULT_MASK_PX: f64 = 0.5;

@@ -211,11 +211,11 @@ impl Sheet<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stage::{Plan, Stage};
     use continuity::{Settings, report};
     use gbuffer::{ShadeKind, Shading};
     use nurbs::{KnotVector, Surface};
     use scene::{Model, Projection};
+    use suite::stage::{Plan, Stage};
 
     fn sheet(corner: DVec3, u: DVec3, v: DVec3) -> Surface {
         let knots = || KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0]).expect("one span");

@@ -1,7 +1,6 @@
 //! `pixel`: one pixel, stage by stage, in three columns.
 
 use crate::compare::DrawingArgs;
-use crate::stage::{Rendered, Stage};
 use crate::view::{ModelArgs, ViewArgs};
 use crate::{say, terminal};
 use anyhow::{Context, Result, bail};
@@ -13,6 +12,7 @@ use nurbs::{Direction, Normal};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval};
 use raycast::Caster;
 use std::process::ExitCode;
+use suite::stage::{Rendered, Stage};
 
 /// Characters of the columns: a number of 17 digits fits one of the last three.
 const WIDTHS: [u16; 4] = [10, 19, 19, 19];

@@ -9,7 +9,6 @@ use crate::masks::MaskReport;
 use crate::output;
 use crate::overlay::Overlay;
 use crate::say;
-use crate::stage::{Plan, Stage};
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use crate::with::With;
@@ -22,6 +21,7 @@ use raycast::Caster;
 use scene::{Camera, Model, Viewport};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use suite::stage::{Plan, Stage};
 
 /// Render a model to a picture, a G-buffer or the terminal
 #[derive(Debug, Args)]

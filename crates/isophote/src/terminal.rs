@@ -4,13 +4,13 @@
 //! A line that cannot be written is an error, and no panic: an answer that did not arrive is no answer. Nothing is ever
 //! asked of the terminal, since one that does not answer would be waited for.
 
-use crate::text::{escaped_json, escaped_lines};
 use anyhow::Result;
 use comfy_table::{ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use gbuffer::Picture;
 use serde::Serialize;
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
+use suite::text::{escaped_json, escaped_lines};
 
 pub use suite::progress::{note, progress, step};
 
@@ -81,7 +81,7 @@ pub fn narrow_table() -> Table {
     table
 }
 
-/// Prints a table, with its colours. Cells must not hold text from outside but by [`escaped`](crate::text::escaped).
+/// Prints a table, with its colours. Cells must not hold text from outside but by [`escaped`](suite::text::escaped).
 ///
 /// # Errors
 /// [`OutputError`].

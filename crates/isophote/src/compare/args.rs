@@ -5,7 +5,6 @@ use crate::approximate::ApproximateArgs;
 use crate::format::Format;
 use crate::limits::LimitArgs;
 use crate::masks::TrimArgs;
-use crate::stage::{Path, Plan};
 use crate::view::ViewArgs;
 use crate::words::{self, Words};
 use crate::{number, technique};
@@ -14,6 +13,7 @@ use compare::UNBOUNDED_SHARE;
 use gbuffer::{ShadeKind, Shading};
 use pipeline::Scheme;
 use std::path::PathBuf;
+use suite::stage::{Path, Plan};
 use techniques::{DEFAULT_CHORD_PX, Technique};
 
 /// Render a model three ways and compare, or judge saved G-buffers

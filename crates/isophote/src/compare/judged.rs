@@ -9,7 +9,6 @@ use super::saved::{Saved, SavedComparison, SavedFile};
 use super::table;
 use crate::antialias::Antialias;
 use crate::say;
-use crate::text::escaped;
 use crate::view::ViewArgs;
 use anyhow::{Result, bail};
 use compare::{Diagnosis, PairReport};
@@ -18,6 +17,7 @@ use scene::Camera;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use suite::text::escaped;
 
 #[derive(Serialize)]
 struct Report<'a> {

@@ -75,10 +75,10 @@ fn painted(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stage::{Plan, Stage};
     use gbuffer::{GBuffer, Hit};
     use raycast::Caster;
     use scene::Camera;
+    use suite::stage::{Plan, Stage};
 
     /// The map's colours against the report's own counts, of a picture that is right and of one whose normals are wrong in a half.
     #[test]

@@ -4,12 +4,12 @@ use super::maps::{self, AGREES, BEYOND, NO_VERDICT, SHARE_ENDS};
 use super::next::Next;
 use super::pictures::Pictures;
 use super::verdict::short;
-use crate::embedded::data_uri;
-use crate::text::html;
 use anyhow::Result;
 use compare::{PairReport, Verdict};
 use scene::Viewport;
 use std::fmt::Write;
+use suite::embedded::data_uri;
+use suite::text::html;
 
 const STYLE: &str = include_str!("../../assets/report.css");
 

@@ -9,7 +9,6 @@ use super::report::{Report, Strict};
 use super::table;
 use crate::antialias::{Antialias, SampleReport};
 use crate::masks::MaskReport;
-use crate::stage::{Path, Plan, Rendered, ShadedReport, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Result, bail};
@@ -18,6 +17,7 @@ use formats::{Document, Note};
 use gbuffer::{GBuffer, Meta, Shading};
 use raycast::Caster;
 use std::process::ExitCode;
+use suite::stage::{Path, Plan, Rendered, ShadedReport, Stage};
 
 /// What one sample shows, without its G-buffers: a picture of many samples holds those of one at a time.
 struct Sample {

@@ -4,10 +4,10 @@ use super::verdict;
 use crate::antialias::SampleReport;
 use crate::approximate::Approximation;
 use crate::masks::MaskReport;
-use crate::stage::ShadedReport;
 use compare::{PairReport, Verdict};
 use gbuffer::GBuffer;
 use serde::Serialize;
+use suite::stage::ShadedReport;
 
 /// What the comparison found.
 #[derive(Serialize)]

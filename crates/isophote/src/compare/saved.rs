@@ -6,7 +6,6 @@
 
 use super::answer::exit_code;
 use super::verdict;
-use crate::stage::{Plan, Rays, Stage};
 use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
@@ -19,6 +18,7 @@ use scene::{Camera, Model, Viewport};
 use serde::Deserialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use suite::stage::{Plan, Rays, Stage};
 
 /// What the ray caster calls itself in a G-buffer. A file of that name is judged like any, under [`SAVED_RAYCAST`].
 const RAYCAST: &str = "raycast";

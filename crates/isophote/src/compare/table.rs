@@ -4,12 +4,12 @@ use super::next::Next;
 use super::report::Report;
 use super::verdict::short;
 use crate::antialias::SampleReport;
-use crate::text::escaped;
 use crate::{say, terminal};
 use anyhow::Result;
 use comfy_table::{Attribute, Cell, CellAlignment, Color};
 use compare::{PairReport, Verdict};
 use std::collections::BTreeSet;
+use suite::text::escaped;
 
 /// Pixels of the worst that are listed for each cause of a pair.
 const LISTED: usize = 4;

@@ -1,8 +1,5 @@
 //! Where the answer goes: a folder that nobody else writes to, and a person or a machine that reads it.
 
-use super::corpus::Suite;
-use super::report::{Report, State};
-use super::shard::Shard;
 use super::{html, junit, table};
 use crate::format::Format;
 use crate::{output, say, terminal};
@@ -10,6 +7,9 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use suite::corpus::Suite;
+use suite::report::{Report, State};
+use suite::shard::Shard;
 
 /// Where the answer goes.
 #[derive(Debug, Clone, Args)]

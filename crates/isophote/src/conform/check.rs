@@ -1,13 +1,13 @@
 //! What a report from a file must be before it is believed: of this program's own corpus, complete in itself, with
 //! verdicts that follow from its counts.
 
-use super::corpus::{CaseKey, Corpus, PlannedCase};
-use super::report::{Case, Outcome, Pair, Report, Subject};
-use super::run::CPU;
-use super::wrong::Vacuity;
 use anyhow::{Context, Result, bail, ensure};
 use compare::{Cause, Counts, Verdict};
 use std::collections::{BTreeMap, BTreeSet};
+use suite::corpus::{CaseKey, Corpus, PlannedCase};
+use suite::report::{Case, Outcome, Pair, Report, Subject};
+use suite::run::CPU;
+use suite::wrong::Vacuity;
 
 /// How a picture begins: nothing else may stand in the page.
 const PICTURE: &str = "data:image/png;base64,";

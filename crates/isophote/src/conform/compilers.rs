@@ -1,9 +1,9 @@
 //! What several compilers make of one program: each by each adapter, added up.
 
-use super::report::{Report, State, Subject};
-use crate::text::escaped;
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::collections::BTreeSet;
+use suite::report::{Report, State, Subject};
+use suite::text::escaped;
 
 /// A line for each compiler and adapter, where there are several; at most 80 characters wide.
 pub fn table(report: &Report) -> Option<Table> {

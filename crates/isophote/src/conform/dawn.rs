@@ -1,15 +1,15 @@
 //! Dawn as an adapter: each stage's capsule is played by the Node program in `hosts/node`, whose compiler is Tint.
 
-use super::report::Subject;
-use super::run::{Adapter, DrawError, by_capsule, host};
 use crate::capsule::recorded;
-use crate::stage::{OnGpu, Stage};
 use anyhow::{Context, Result, bail, ensure};
 use files::Scratch;
 use gpu::capsule::{self, Contents, Host, Played};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use suite::report::Subject;
+use suite::run::{Adapter, DrawError, by_capsule, host};
+use suite::stage::{OnGpu, Stage};
 
 /// The program of a Dawn host in its folder.
 const PROGRAM: &str = "play.mjs";

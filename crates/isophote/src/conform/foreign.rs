@@ -4,13 +4,7 @@
 //! stress how our own masks trim are left out.
 
 use super::answer::{OutputArgs, claim, finish};
-use super::corpus::{CaseKey, Scene, Suite, Viewpoint};
-use super::report::{Case, Outcome, Pair, Report, Subject};
-use super::run::{Plans, host};
-use super::shard::Shard;
 use crate::compare::Saved;
-use crate::embedded::data_uri;
-use crate::stage::Plan;
 use crate::{output, say, scene, terminal};
 use ::scene::{Camera, Model, Viewport};
 use anyhow::{Context, Result, bail};
@@ -19,7 +13,13 @@ use gbuffer::{GBuffer, ShadeKind, Shading};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
+use suite::corpus::{CaseKey, Scene, Suite, Viewpoint};
 use suite::difference::Map;
+use suite::embedded::data_uri;
+use suite::report::{Case, Outcome, Pair, Report, Subject};
+use suite::run::{Plans, host};
+use suite::shard::Shard;
+use suite::stage::Plan;
 
 /// Write the suite's scenes, for a renderer of your own to draw
 ///

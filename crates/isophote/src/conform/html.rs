@@ -1,10 +1,10 @@
 //! A report as one HTML file that opens from disk: page, style, script and data, and nothing fetched.
 
-use super::report::{Report, State, Subject};
-use crate::text::{escaped, escaped_lines};
 use anyhow::Result;
 use serde::Serialize;
 use serde_json::Value;
+use suite::report::{Report, State, Subject};
+use suite::text::{escaped, escaped_lines};
 
 const PAGE: &str = include_str!("../../assets/report.html");
 const STYLE: &str = include_str!("../../assets/report.css");

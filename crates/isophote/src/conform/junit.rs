@@ -1,13 +1,13 @@
 //! A report as JUnit XML, in the dialect of Jenkins' schema (`testdata/schema/junit-10.xsd`): a test suite for each
 //! subject, a test case for each comparison.
 
-use super::report::{Case, Outcome, Pair, Report, Subject};
-use super::wrong::Vacuity;
-use crate::text::escaped;
 use anyhow::Result;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::io;
+use suite::report::{Case, Outcome, Pair, Report, Subject};
+use suite::text::escaped;
+use suite::wrong::Vacuity;
 
 /// A test case before it is written.
 struct TestCase {

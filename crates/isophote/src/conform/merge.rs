@@ -2,15 +2,15 @@
 
 use super::answer::{OutputArgs, claim, finish};
 use super::check::check;
-use super::corpus::Corpus;
 use super::own::OwnArgs;
-use super::report::{Case, Outcome, Report, Subject};
-use super::shard::Shard;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use suite::corpus::Corpus;
+use suite::report::{Case, Outcome, Report, Subject};
+use suite::shard::Shard;
 
 /// Missing shards that are named.
 const NAMED: usize = 8;

@@ -1,10 +1,10 @@
 //! A user's own corpus: model files as scenes.
 
-use super::corpus::{Scene, Suite};
 use crate::listing::{Listed, listed};
 use crate::terminal;
 use clap::Args;
 use std::collections::BTreeSet;
+use suite::corpus::{Scene, Suite};
 
 /// What is drawn instead of the corpus.
 #[derive(Debug, Clone, Default, Args)]

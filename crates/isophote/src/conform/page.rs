@@ -3,11 +3,7 @@
 //! The page is drawn by `hosts/browser/suite.mjs`. Files that several capsules share stand in it once; all are packed by gzip, which a
 //! browser unpacks itself.
 
-use super::corpus::Suite;
-use super::run::Plans;
-use super::shard::Shard;
 use crate::capsule::recorded;
-use crate::stage::Stage;
 use crate::{output, say, terminal};
 use anyhow::{Context, Result, anyhow, ensure};
 use base64::Engine;
@@ -19,6 +15,10 @@ use serde::Serialize;
 use std::collections::HashMap;
 use std::io::Write;
 use std::path::PathBuf;
+use suite::corpus::Suite;
+use suite::run::Plans;
+use suite::shard::Shard;
+use suite::stage::Stage;
 
 const PAGE: &str = include_str!("../../../../hosts/browser/suite.html");
 const STYLES: [&str; 2] =

@@ -1,12 +1,12 @@
 //! A report on the terminal: a table for each subject, the worst scenes first.
 
 use super::compilers;
-use super::report::{Outcome, Report, State, Subject};
 use crate::terminal;
-use crate::text::escaped;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table};
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use suite::report::{Outcome, Report, State, Subject};
+use suite::text::escaped;
 
 /// Missing cases that are named.
 const NAMED: usize = 3;

@@ -1,13 +1,13 @@
 //! The report as one page to print and sign: verdict, a picture with the edges by class, table, settings, the model's hash.
 
 use super::table;
-use crate::embedded::data_uri;
 use crate::overlay::{Mark, Overlay};
-use crate::text::html;
 use anyhow::Result;
 use continuity::{Report, Verdict};
 use gbuffer::Picture;
 use std::fmt::Write;
+use suite::embedded::data_uri;
+use suite::text::html;
 
 const STYLE: &str = include_str!("../../assets/report.css");
 

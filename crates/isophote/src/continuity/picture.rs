@@ -1,11 +1,11 @@
 //! The model with its edges by class: isophotes beside zebra stripes, as a camera that frames it sees them.
 
 use crate::overlay::Overlay;
-use crate::stage::{Plan, Stage};
 use anyhow::Result;
 use continuity::Report;
 use gbuffer::{Picture, ShadeKind, Shading};
 use scene::{Camera, Model, SamplePattern, Viewport};
+use suite::stage::{Plan, Stage};
 
 /// Pixels of each of the two.
 const SIZE: [usize; 2] = [800, 640];

@@ -5,10 +5,10 @@ use super::plot::{Plot, Series, svg};
 use super::report::Report;
 use super::row::{Measured, Outcome};
 use super::table::{HEADS, cells, number};
-use crate::text::html;
 use anyhow::Result;
 use plotters::prelude::SeriesLabelPosition;
 use std::fmt::Write;
+use suite::text::html;
 
 const STYLE: &str = include_str!("../../assets/study.css");
 

@@ -3,13 +3,13 @@
 use super::error::{Errors, Spread, errors, normals};
 use super::goal::{Goal, meet};
 use crate::cost::{self, Cost, Patience};
-use crate::stage::{OnGpu, Plan, Stage};
 use anyhow::Result;
 use compare::{Claims, PairReport, Verdict};
 use gbuffer::GBuffer;
 use raycast::Caster;
 use serde::Serialize;
 use std::time::Instant;
+use suite::stage::{OnGpu, Plan, Stage};
 use techniques::{Setting, Technique};
 
 /// A line of the table.

@@ -1,6 +1,5 @@
 //! Draws one model again and again, and keeps what the next picture can use: what is packed, and the GPU's copy of it.
 
-use crate::stage::{Plan, Stage};
 use crate::with::With;
 use anyhow::Result;
 use gbuffer::{GBuffer, Picture, Shading};
@@ -9,6 +8,7 @@ use pipeline::PackedScene;
 use raycast::Caster;
 use scene::{Camera, FaceId, Model, Viewport};
 use std::sync::Arc;
+use suite::stage::{Plan, Stage};
 use techniques::Prepared;
 
 /// What is to be drawn, and how.
