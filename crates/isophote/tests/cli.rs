@@ -213,7 +213,7 @@ fn saved_gbuffers_that_cannot_be_judged_are_refused() {
     refused(&["compare", FOREIGN, "--adapter", "NVIDIA"], &["--adapter", "saved"]);
     refused(&["compare", FOREIGN, "--chord", "-1"], &["chord", "-1"]);
     refused(&["compare", FOREIGN, "teapot"], &["--model", "teapot"]);
-    refused(&["compare", "teapot", "sphere"], &["one model", "teapot"]);
+    refused(&["compare", "teapot", "sphere", "torus"], &["unexpected", "torus"]);
     refused(&["compare", "teapot", "--model", "sphere"], &["--model", "teapot"]);
 }
 
