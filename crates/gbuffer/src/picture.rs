@@ -135,7 +135,7 @@ impl Picture {
         Ok(bytes)
     }
 
-    /// The picture as the bytes of a JPEG file, of quality [`JPEG_QUALITY`]: sharp edges are not kept as they are.
+    /// The picture as the bytes of a JPEG file, of quality `JPEG_QUALITY`: sharp edges are not kept as they are.
     ///
     /// # Errors
     /// [`GBufferError::Jpeg`] where there are too many pixels for the format.

@@ -363,7 +363,7 @@ impl Report {
         if broken { State::NotRun } else { worst }
     }
 
-    /// Reads a report from a regular file of at most [`MAX_BYTES`]; [`check`](crate::check::check) says whether to believe it.
+    /// Reads a report from a regular file of at most [`MAX_BYTES`]; `conform merge` says whether to believe it.
     ///
     /// # Errors
     /// Where it cannot be read, is cut off or damaged, or is another kind or version of document; the file is named.

@@ -1,7 +1,7 @@
 //! The judge of the browser's page: what a visitor's GPU drew, judged by the functions that `isophote conform` calls.
 //!
 //! It has no disk, no GPU and no thread but its own, so it builds for `wasm32-wasip1` and runs in a worker of the page. A
-//! [`request`] brings one scene's capsules and the answers to them; the [`verdict`] is the report so far, and what the page shows
+//! request brings one scene's capsules and the answers to them; the [`verdict`] is the report so far, and what the page shows
 //! of that scene.
 
 mod answers;
