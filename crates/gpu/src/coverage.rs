@@ -71,4 +71,31 @@ impl Device {
             cache: None,
         })
     }
+    /// Commands that clear such a picture and paint it.
+    pub(crate) fn coverage_painted(
+        &self,
+        label: &str,
+        view: &wgpu::TextureView,
+        pipeline: &wgpu::RenderPipeline,
+        draw: impl FnOnce(&mut wgpu::RenderPass),
+    ) -> wgpu::CommandEncoder {
+        let mut encoder = self.wgpu.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        draw(&mut pass);
+        drop(pass);
+        encoder
+    }
 }

@@ -141,25 +141,10 @@ impl MaskAtlas {
     ) -> Result<(), GpuError> {
         let encoder = device.guarded(DRAWING, || {
             let group = device.group("masks", layout, whole(buffers));
-            let mut encoder = device.wgpu.create_command_encoder(&Default::default());
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("masks"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &self.view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                ..Default::default()
-            });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.draw(0..vertices, 0..1);
-            drop(pass);
-            encoder
+            device.coverage_painted("masks", &self.view, pipeline, |pass| {
+                pass.set_bind_group(0, &group, &[]);
+                pass.draw(0..vertices, 0..1);
+            })
         })?;
         let submitted = device.submit(DRAWING, encoder)?;
         device.wait(DRAWING, Some(submitted))

@@ -70,23 +70,7 @@ impl Device {
             let pipeline = self.edges(is_down);
             let texture = self.coverage_target("edges", size(is_down), TextureUsages::empty());
             let view = texture.create_view(&Default::default());
-            let mut encoder = self.wgpu.create_command_encoder(&Default::default());
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("edges"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                ..Default::default()
-            });
-            pass.set_pipeline(&pipeline);
-            pass.draw(0..6, 0..QUADS);
-            drop(pass);
+            let encoder = self.coverage_painted("edges", &view, &pipeline, |pass| pass.draw(0..6, 0..QUADS));
             (texture, encoder)
         })?;
         self.submit(MEASURING, encoder)?;

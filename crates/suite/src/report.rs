@@ -115,7 +115,7 @@ pub struct Case {
 }
 
 /// What one subject made of a case.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub struct Outcome {
     /// [`Subject::id`].

@@ -374,15 +374,7 @@ impl Sitting<'_> {
             }
             Ok(pairs)
         };
-        let mut outcome = Outcome {
-            subject: subject.to_owned(),
-            seconds: 0.0,
-            pairs: vec![],
-            wrong: None,
-            unlike: None,
-            picture: None,
-            error: None,
-        };
+        let mut outcome = Outcome { subject: subject.to_owned(), ..Outcome::default() };
         match compared() {
             Err(error) => outcome.error = Some(format!("{error:#}")),
             Ok(pairs) => {

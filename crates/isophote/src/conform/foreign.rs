@@ -99,15 +99,7 @@ impl View {
             error: None,
             outcomes: vec![],
         };
-        let mut outcome = Outcome {
-            subject: subject.to_owned(),
-            seconds: 0.0,
-            pairs: vec![],
-            wrong: None,
-            unlike: None,
-            picture: None,
-            error: None,
-        };
+        let mut outcome = Outcome { subject: subject.to_owned(), ..Outcome::default() };
         match self.compared(path) {
             Err(error) => outcome.error = Some(format!("{error:#}")),
             Ok((cast, buffer, pair)) => {
