@@ -2,7 +2,8 @@
 // Uses triangles.wgsl output.wgsl
 
 struct VertexOutput {
-    @builtin(position) clip: vec4<f32>,
+    // Faces that share a corner are drawn by programs of their own, and it must be at one place.
+    @builtin(position) @invariant clip: vec4<f32>,
     @location(0) @interpolate(perspective) uv: vec2<f32>,
     @location(1) @interpolate(flat) face: u32,
     @location(2) @interpolate(perspective) normal: vec3<f32>,

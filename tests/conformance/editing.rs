@@ -76,8 +76,41 @@ fn triangles_follow_their_surface_and_know_how_far_they_are_off() {
     let edited = pulled(&model);
     let [before, after] = [&model, &edited].map(|model| PackedScene::new(model, Scheme::Specialised).expect("small"));
     let was = Tessellation::new(&setting(&model, &before, &camera, viewport)).expect("few triangles");
-    let mut followed = was.clone();
-    followed.follow(&edited, &after, FaceId(0));
+    let followed = was.followed(&edited, &after, FaceId(0)).expect("no border is parted");
     assert_eq!(followed.mesh.indices, was.mesh.indices, "nothing is tessellated anew");
     assert!(followed.chord[0][0] > 0.0 && followed.chord != was.chord);
+}
+
+/// The teapot with a control point of its first patch moved.
+fn teapot(point: [usize; 2]) -> (Model, Model) {
+    let model = models::builtin("teapot").expect("built in");
+    let start = &model.surfaces()[0];
+    let columns = start.control_counts()[1];
+    let rest = start.points()[point[0] * columns + point[1]];
+    let moved = start.with_point(point, rest + glam::DVec3::Z * 0.3).expect("finite");
+    let edited = model.with_surface(0, moved);
+    (model, edited)
+}
+
+/// Corners that stand at one place before an edit do so after it, and a border that is moved away from its neighbour's is cut anew.
+#[test]
+fn faces_that_share_a_border_follow_together_until_it_is_parted() {
+    let viewport = Viewport::new(64, 48).expect("a legal size");
+    let (model, inside) = teapot([1, 1]);
+    let camera = Camera::framing(&model, viewport);
+    let packed = |model: &Model| PackedScene::new(model, Scheme::Specialised).expect("small");
+    let (before, after) = (packed(&model), packed(&inside));
+    let was = Tessellation::new(&setting(&model, &before, &camera, viewport)).expect("few triangles");
+    let followed = was.followed(&inside, &after, FaceId(0)).expect("no border is parted");
+    let places = |of: &Tessellation, face: bool| {
+        let bits = |v: &pipeline::Vertex| (v.frame, v.position.map(f32::to_bits));
+        let own = of.mesh.vertices.iter().filter(|v| (v.face == 0) == face);
+        own.map(bits).collect::<std::collections::HashSet<_>>()
+    };
+    let common = |of: &Tessellation| places(of, true).intersection(&places(of, false)).count();
+    assert!(common(&was) > 8, "{}", common(&was));
+    assert_eq!(common(&followed), common(&was));
+    assert_eq!(followed.mesh.indices, was.mesh.indices, "nothing is tessellated anew");
+    let (_, border) = teapot([1, 0]);
+    assert!(was.followed(&border, &packed(&border), FaceId(0)).is_none());
 }

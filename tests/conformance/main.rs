@@ -17,6 +17,7 @@ mod kernels;
 mod licences;
 mod rays;
 mod samples;
+mod seams;
 mod snapping;
 mod three_way;
 mod trim_texture;

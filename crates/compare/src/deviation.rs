@@ -1,5 +1,6 @@
 //! How far across the ray a candidate's point may lie from what the reference shows, before any rounding of S itself.
 
+use crate::seams::Seams;
 use crate::vertex_normals::VertexNormals;
 use nurbs::{BezierPatch, Surface};
 use rayon::prelude::*;
@@ -127,6 +128,8 @@ pub struct Deviation {
     /// Per face and piece, as [`Self::chord`]: the distance of what is drawn from the model that it stands for, model units; it
     /// is a part of both chords. Empty where the model itself is drawn.
     pub stand_in: Vec<Vec<f64>>,
+    /// Where triangles meet vertex on vertex: between faces there no pixel may be left out.
+    pub seams: Arc<Seams>,
     /// All of it in words.
     pub text: String,
 }
@@ -149,6 +152,7 @@ impl Deviation {
             is_searched: false,
             unanswered_share: 0.0,
             stand_in: vec![],
+            seams: Arc::default(),
             text: format!(
                 "chord bound of the tessellation (Filip, Magedson & Markot 1986) + {SNAP_PX} px of vertex snapping + \
                  {ATTRIBUTE_ULPS} ulp of interpolated parameters; rounding of S: its proven interval"
@@ -205,6 +209,7 @@ impl Deviation {
             is_searched: false,
             unanswered_share: 0.0,
             stand_in: vec![],
+            seams: Arc::default(),
             text: format!("{EXACT_PX} px from the pixel's ray"),
         }
     }
@@ -238,6 +243,11 @@ impl Deviation {
         Self { vertex_normals: Some(vertex_normals), text, ..self }
     }
 
+    /// The same where both renderers' triangles, if they have any, meet so.
+    pub fn meeting(self, seams: Arc<Seams>) -> Self {
+        Self { seams, ..self }
+    }
+
     /// The same where the candidate's corners go to a grid that moves them by `moves_px` along each side at most, as was measured
     /// on the adapter that drew them. A finer one than is assumed takes nothing away.
     ///
@@ -268,6 +278,7 @@ impl Deviation {
             is_searched: other.is_searched,
             unanswered_share: self.unanswered_share.max(other.unanswered_share),
             stand_in: sums(&self.stand_in, &other.stand_in),
+            seams: if self.seams == other.seams { self.seams.clone() } else { Arc::default() },
             text: if self.text == other.text {
                 format!("on either side {}", self.text)
             } else {

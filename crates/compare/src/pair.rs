@@ -4,11 +4,13 @@ use crate::difference::Difference;
 use crate::edge::EdgeFound;
 use crate::evaluation::Evaluated;
 use crate::report::PixelUse;
+use crate::seams::Nearby;
 use crate::setting::Setting;
 use crate::{ATTRIBUTE_ULPS, Cause, Deviation, Sampler, Shares, Unbounded};
 use gbuffer::{GBuffer, Hit};
 use glam::{DVec2, DVec3};
 use pipeline::sight::NEAR_PX;
+use scene::FaceId;
 use std::f64::consts::SQRT_2;
 use std::iter::once;
 
@@ -304,10 +306,15 @@ impl Pair<'_, '_> {
         let behind = |hit: &Hit| hit.t >= candidate.t - slack;
         let own =
             picture.filter(|_| self.exact).is_some_and(|p| self.sampler.first(p.x, p.y).as_ref().is_none_or(behind));
-        // Beyond the edge of its triangle a point may fall behind the next one of its face by as much as both are off.
+        // Beyond the edge of its triangle a point may fall behind the next one of its face by as much as both are off; and where that is
+        // seen edge-on by more, but the pixel's own ray meets its sheet where the other one is.
         let behind_own_face = || {
-            let chords = 2.0 * self.edge_chord(candidate);
-            !self.exact && occluder.face == candidate.face && candidate.t - occluder.t <= slack + chords
+            let reach = slack + 2.0 * self.edge_chord(candidate);
+            let is_its_sheet = |t: f64| (t - occluder.t).abs() <= reach;
+            !self.exact
+                && occluder.face == candidate.face
+                && (candidate.t - occluder.t <= reach
+                    || self.setting.sheet_at(candidate, center).is_some_and(is_its_sheet))
         };
         let bound = bound_px.max(self.bound_at(occluder).across);
         let hiding = || once(*occluder).chain(self.layers(center)).filter(|q| hides(&q));
@@ -363,8 +370,10 @@ impl Pair<'_, '_> {
     /// Whether a pixel where one shows a hit, given as the reference, and the other nothing, is beside an edge.
     fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
         let bound = self.bound_at(reference).across;
-        // Two rasterizers may each leave a crack between faces, whose corners are placed in frames of their own.
-        let is_edge = |first: Option<&Hit>| first.is_none_or(|q| !self.exact && q.face != reference.face);
+        // Two rasterizers may each leave a crack between faces that do not meet vertex on vertex.
+        let beyond = self.borders(reference, center, bound).beyond;
+        let is_other = |face: FaceId| face != reference.face && !beyond.contains(&face);
+        let is_edge = |first: Option<&Hit>| first.is_none_or(|q| !self.exact && is_other(q.face));
         let missing = || once(*reference).chain(self.layers(center));
         if self.ends_nearby(reference, center, bound, &|_, first| is_edge(first))
             || self.exact && self.each_ends_nearby(missing(), center, 0.0, &|_| true)
@@ -494,7 +503,7 @@ impl Pair<'_, '_> {
 
     /// Whether a hit's face ends within the bound: at a border, or where the reference sees past it.
     fn ends_nearby(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(DVec2, Option<&Hit>) -> bool) -> bool {
-        self.near_border(hit, center, bound) || self.passes_by(hit, center, bound, is_past)
+        self.borders(hit, center, bound).ends || self.passes_by(hit, center, bound, is_past)
     }
 
     /// Whether the face of each of these hits ends within the bound, of at least `bound_px`, as far as it is in the way: there may be
@@ -508,8 +517,11 @@ impl Pair<'_, '_> {
     ) -> bool {
         hits.all(|hit| {
             let bound = bound_px.max(self.bound_at(&hit).across);
-            let is_past = |p, _: Option<&Hit>| self.layers(p).iter().all(|q| q.face != hit.face || !is_in_the_way(q));
-            self.ends_nearby(&hit, center, bound, &is_past)
+            // A neighbour with a border in common goes on where the face ends.
+            let Nearby { ends, beyond } = self.borders(&hit, center, bound);
+            let is_other = |q: &Hit| q.face != hit.face && !beyond.contains(&q.face);
+            let is_past = |p, _: Option<&Hit>| self.layers(p).iter().all(|q| is_other(q) || !is_in_the_way(q));
+            ends || self.passes_by(&hit, center, bound, &is_past)
         })
     }
 
@@ -577,43 +589,57 @@ impl Pair<'_, '_> {
         offsets.map(move |offset| center + radius * offset)
     }
 
-    /// Whether a border of the hit's face passes within `radius` pixels of a position, or, where loops bound the face, one of
-    /// them within [`Deviation::edge_px`], or the near plane cuts it there.
-    fn near_border(&self, hit: &Hit, center: DVec2, radius: f64) -> bool {
+    /// What there is of the borders of a hit's face within `radius` pixels of a position; where loops bound the face, within
+    /// [`Deviation::edge_px`]. Where the near plane cuts it there, it ends.
+    fn borders(&self, hit: &Hit, center: DVec2, radius: f64) -> Nearby {
         let beyond_near = self.setting.camera.depth(self.setting.surface_point(hit)) - self.setting.camera.near();
         if beyond_near <= self.model_units(hit) {
-            return true;
+            return Nearby::END;
         }
         if self.setting.model.region(hit.face).is_some() {
-            return self.setting.is_at_edge(hit, center, self.edge_px(hit), radius);
+            let ends = self.setting.is_at_edge(hit, center, self.edge_px(hit), radius);
+            return Nearby { ends, ..Nearby::default() };
         }
-        let surface = self.setting.model.surface(hit.face);
-        let [[u0, u1], [v0, v1]] = surface.domain();
-        let DVec2 { x: u, y: v } = hit.uv;
-        [(u0, v), (u1, v), (u, v0), (u, v1)].into_iter().any(|(s, t)| {
-            // Slide along the border to where it is nearest in the picture.
-            let mut place = DVec2::new(s, t);
-            let along_u = s == u;
-            for _ in 0..BORDER_STEPS {
-                let d = surface.first_derivatives(place.x, place.y);
-                let Some(at) = self.setting.picture(d.s) else { return false };
-                if at.distance(center) <= radius {
-                    return true;
+        let mut nearby = Nearby::default();
+        for side in 0..4 {
+            let Some((along, reach)) = self.border_place(hit, side, center, radius) else { continue };
+            let spans = self.setting.spans_within(hit.face, side, [along - reach, along + reach]);
+            let beyond = |span: usize| self.deviation.seams.beyond(hit.face, side, span);
+            // Where borders of several faces end, not all of these need meet.
+            match spans.map(|spans| spans.map(beyond).collect::<Vec<_>>()) {
+                Some(faces) if faces.iter().all(|beyond| !beyond.is_empty() && *beyond == faces[0]) => {
+                    nearby.beyond.extend(faces[0]);
                 }
-                let tangent = if along_u { d.su } else { d.sv };
-                let direction = self.setting.camera.picture_derivative(self.setting.viewport, d.s, tangent);
-                let step = (center - at).dot(direction) / direction.length_squared();
-                if !step.is_finite() {
-                    return false;
-                }
-                if along_u {
-                    place.x = (place.x + step).clamp(u0, u1);
-                } else {
-                    place.y = (place.y + step).clamp(v0, v1);
-                }
+                _ => return Nearby::END,
             }
-            false
-        })
+        }
+        nearby
+    }
+
+    /// Where a side of an untrimmed face, u = 0, u = 1, v = 0 or v = 1, passes within `radius` pixels of a position: the parameter along
+    /// it, and how far along it may be within as much.
+    fn border_place(&self, hit: &Hit, side: usize, center: DVec2, radius: f64) -> Option<(f64, f64)> {
+        let surface = self.setting.model.surface(hit.face);
+        let domain = surface.domain();
+        let (across, along) = (side / 2, 1 - side / 2);
+        let mut place = hit.uv;
+        place[across] = domain[across][side % 2];
+        // Slide along the border to where it is nearest in the picture.
+        for _ in 0..BORDER_STEPS {
+            let d = surface.first_derivatives(place.x, place.y);
+            let at = self.setting.picture(d.s)?;
+            let tangent = if along == 0 { d.su } else { d.sv };
+            let direction = self.setting.camera.picture_derivative(self.setting.viewport, d.s, tangent);
+            if at.distance(center) <= radius {
+                return Some((place[along], 2.0 * radius / direction.length()));
+            }
+            let step = (center - at).dot(direction) / direction.length_squared();
+            if !step.is_finite() {
+                return None;
+            }
+            place[along] = (place[along] + step).clamp(domain[along][0], domain[along][1]);
+        }
+        None
     }
 }
 

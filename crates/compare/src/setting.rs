@@ -8,6 +8,7 @@ use glam::{DVec2, DVec3};
 use nurbs::{Direction, Surface};
 use pipeline::{PackedScene, View};
 use scene::{Camera, FaceId, Model, Viewport};
+use std::ops::Range;
 
 /// How far along a surface it is followed from where a candidate shows it, pixels were it seen at a right angle.
 const FOLLOWED_PX: f64 = 8.0;
@@ -120,6 +121,21 @@ impl<'m> Setting<'m> {
         };
         let columns = spans[1].len();
         on(0, Direction::U).flat_map(move |k| on(1, Direction::V).map(move |l| k * columns + l))
+    }
+
+    /// The nonempty knot spans, by their numbers, that a range of parameters along a side of a face's domain has to do with; `None` where it
+    /// reaches an end of the side.
+    pub(crate) fn spans_within(&self, face: FaceId, side: usize, [low, high]: [f64; 2]) -> Option<Range<usize>> {
+        let along = 1 - side / 2;
+        let knots = self.model.surface(face).knots([Direction::U, Direction::V][along]);
+        let spans = &self.spans[self.model.faces()[face.0 as usize].surface][along];
+        let (start, end) = knots.domain();
+        // A reach that is no number is beyond every end.
+        if !(start < low && high < end) {
+            return None;
+        }
+        let first = spans.partition_point(|span| knots.knots()[span + 1] < low);
+        Some(first..spans.partition_point(|span| knots.knots()[*span] <= high))
     }
 
     /// Whether f64 tells places at a hit's parameters apart as well as f32 does on a Bézier piece of its own.

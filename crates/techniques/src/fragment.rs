@@ -1,10 +1,12 @@
 //! Technique `fragment`: a coarse tessellation carries (u, v, face); each fragment evaluates the surface there (Kanai 2007).
 //!
-//! `tessellation` cuts cells by a bound on the chord error, `gpu` feeds the triangles to the device.
+//! `tessellation` cuts cells by a bound on the chord error, `joints` finds the borders that faces share, so that all have the same corners
+//! there; `gpu` feeds the triangles to the device.
 
 mod cells;
 mod gpu;
 mod grid;
+mod joints;
 mod tessellation;
 
 pub use tessellation::Tessellation;
@@ -12,7 +14,7 @@ pub use tessellation::Tessellation;
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::{Cells, Claims};
+use compare::{Cells, Claims, Seams};
 use pipeline::wgsl::Part;
 use pipeline::{Mesh, PackedScene};
 use raster::Drawing;
@@ -73,6 +75,10 @@ impl Prepared for Tessellation {
         self.normal_cells()
     }
 
+    fn seams(&self) -> Arc<Seams> {
+        self.seams.clone()
+    }
+
     fn built_px(&self) -> Option<f64> {
         Some(self.built_px)
     }
@@ -81,10 +87,11 @@ impl Prepared for Tessellation {
         Box::new(Triangles::new(Cow::Borrowed(&self.mesh), drawing))
     }
 
-    /// The triangles keep their parameters, so that few bytes are new.
+    /// The triangles keep their parameters, so that few bytes are new, unless the edit parts faces or joins them.
     fn edited(&self, setting: &Setting, face: FaceId) -> Result<Arc<dyn Prepared>, PrepareError> {
-        let mut edited = self.clone();
-        edited.follow(setting.model, setting.scene, face);
-        Ok(Arc::new(edited))
+        match self.followed(setting.model, setting.scene, face) {
+            Some(edited) => Ok(Arc::new(edited)),
+            None => Fragment.prepare(setting),
+        }
     }
 }

@@ -23,7 +23,7 @@ pub use record::GridRecord;
 use crate::error::PrepareError;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::{Cells, Claims};
+use compare::{Cells, Claims, Seams};
 use pipeline::Mesh;
 use pipeline::wgsl::Part;
 use raster::Drawing;
@@ -73,6 +73,10 @@ impl Prepared for Grids {
 
     fn cells(&self) -> &[Vec<Cells>] {
         &self.cells
+    }
+
+    fn seams(&self) -> Arc<Seams> {
+        self.seams.clone()
     }
 
     fn built_px(&self) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use crate::error::PrepareError;
 use crate::limits::Limits;
-use compare::{Cells, Claims};
+use compare::{Cells, Claims, Seams};
 use gpu::Drawable;
 use pipeline::wgsl::Part;
 use pipeline::{Mesh, PackedScene};
@@ -106,6 +106,11 @@ pub trait Prepared: Drawable {
     /// are interpolated over triangles. Empty where no triangle has corners on the surface.
     fn cells(&self) -> &[Vec<Cells>] {
         &[]
+    }
+
+    /// Borders along which triangles of faces meet vertex on vertex.
+    fn seams(&self) -> Arc<Seams> {
+        Arc::default()
     }
 
     /// Chord error in pixels to which it was built, where it has one: more than was asked for where that takes too much, or more

@@ -2,6 +2,7 @@
 //! that draw on a GPU, by its rasterizer or by kernels.
 
 pub mod arithmetic;
+pub mod borders;
 pub mod bounds;
 pub mod coarsened;
 pub mod compute;
@@ -12,6 +13,7 @@ pub mod frustum;
 pub mod gpu;
 mod outline;
 pub mod patches;
+pub mod rounding;
 
 use pipeline::wgsl::Part;
 

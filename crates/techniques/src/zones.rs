@@ -13,7 +13,7 @@ use crate::error::PrepareError;
 use crate::grid::Grids;
 use crate::technique::{Prepared, Setting, Technique};
 use crate::triangles::cpu::Triangles;
-use compare::{Cells, Claims};
+use compare::{Cells, Claims, Seams};
 use pipeline::Mesh;
 use pipeline::wgsl::Part;
 use raster::Drawing;
@@ -63,6 +63,10 @@ impl Prepared for Zones {
 
     fn cells(&self) -> &[Vec<Cells>] {
         &self.grids.cells
+    }
+
+    fn seams(&self) -> Arc<Seams> {
+        self.grids.seams.clone()
     }
 
     fn built_px(&self) -> Option<f64> {

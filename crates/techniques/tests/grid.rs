@@ -1,4 +1,4 @@
-//! Technique `grid`: where its corners are, and that grids meet vertex on vertex.
+//! Technique `grid`: where its corners are; and that patches of `grid` and of `fragment` meet vertex on vertex.
 
 mod common;
 
@@ -10,8 +10,11 @@ use pipeline::{PackedScene, Scheme};
 use raster::Drawing;
 use scene::{Camera, FaceId, Model, Projection, Viewport};
 use std::collections::BTreeSet;
+use techniques::fragment::Fragment;
 use techniques::grid::{Grid, Grids};
 use techniques::{Limits, Prepared, Setting, Technique};
+
+const TECHNIQUES: [&dyn Technique; 2] = [&Grid, &Fragment];
 
 fn setting<'a>(
     model: &'a Model,
@@ -50,17 +53,22 @@ fn every_corner_is_on_its_face_at_its_own_parameters() {
 /// Flat triangles against the surface at 36 places of each.
 #[test]
 fn no_triangle_is_farther_from_its_face_than_the_chord_says() {
+    let viewport = Viewport::new(256, 256).expect("a legal size");
     for name in ["teapot", "torus", "sphere", "surface", "rational"] {
         let model = models::builtin(name).expect("built in");
-        for error_px in [0.25, 2.0] {
-            let (scene, grids) = grids(&model, error_px);
-            for corners in grids.picture.mesh.indices.chunks_exact(3) {
-                let corners = [0, 1, 2].map(|k| grids.picture.mesh.vertices[corners[k] as usize]);
+        let camera = Camera::framing(&model, viewport);
+        let scene = PackedScene::new(&model, Scheme::Specialised).expect("it packs");
+        for (technique, error_px) in TECHNIQUES.iter().flat_map(|technique| [(technique, 0.25), (technique, 2.0)]) {
+            let setting = setting(&model, &scene, &camera, viewport, error_px);
+            let prepared = technique.prepare(&setting).expect("few triangles");
+            let mesh = prepared.mesh().expect("triangles");
+            for corners in mesh.indices.chunks_exact(3) {
+                let corners = [0, 1, 2].map(|k| mesh.vertices[corners[k] as usize]);
                 let (face, span) = (corners[0].face, corners[0].span);
                 let frame = &scene.frames()[face as usize];
                 let positions = corners.map(|v| scene.frames()[v.frame as usize].world(v.position));
                 let index = span[0] as usize * (frame.breaks[1].len() - 1) + span[1] as usize;
-                let chord = grids.chord[face as usize][index];
+                let chord = prepared.chord()[face as usize][index];
                 for (i, j) in (0..8).flat_map(|i| (0..8 - i).map(move |j| (i, j))) {
                     let weights = [f64::from(i) / 7.0, f64::from(j) / 7.0, f64::from(7 - i - j) / 7.0];
                     let flat: glam::DVec3 = (0..3).map(|k| positions[k] * weights[k]).sum();
@@ -70,7 +78,7 @@ fn no_triangle_is_farther_from_its_face_than_the_chord_says() {
                         start + (end - start) * uv[k]
                     });
                     let off = flat.distance(model.surface(FaceId(face)).point(u, v));
-                    assert!(off <= chord, "{name}, {error_px} px: {off} beyond {chord} at {corners:?}");
+                    assert!(off <= chord, "{name}, {technique:?}, {error_px} px: {off} beyond {chord} at {corners:?}");
                 }
             }
         }
@@ -159,8 +167,9 @@ fn odd_positions(
 fn a_closed_surface_in_pieces_has_no_crack_at_any_mix_of_levels() {
     let mut levels = BTreeSet::new();
     for name in ["torus", "sphere"] {
-        let odd = odd_positions(&in_pieces(name), &Grid, 100, false, &mut levels);
-        assert_eq!(odd, 0, "{name}");
+        let model = in_pieces(name);
+        let odd = TECHNIQUES.map(|technique| odd_positions(&model, technique, 100, false, &mut levels));
+        assert_eq!(odd, [0, 0], "{name}");
     }
     assert!(levels.len() > 12, "{levels:?}");
 }
@@ -170,8 +179,9 @@ fn a_closed_surface_in_pieces_has_no_crack_at_any_mix_of_levels() {
 fn least_levels_for_normals_at_corners_open_no_crack() {
     let mut levels = BTreeSet::new();
     for name in ["torus", "sphere"] {
-        let odd = odd_positions(&in_pieces(name), &Grid, 30, true, &mut levels);
-        assert_eq!(odd, 0, "{name}");
+        let model = in_pieces(name);
+        let odd = TECHNIQUES.map(|technique| odd_positions(&model, technique, 30, true, &mut levels));
+        assert_eq!(odd, [0, 0], "{name}");
     }
     assert!(levels.len() > 12, "{levels:?}");
 }
@@ -231,10 +241,18 @@ fn no_pixel_of_the_device_shows_what_lies_behind_a_closed_surface() {
     }
 }
 
+/// Where a border runs along a part of another one, each face has corners of its own.
 #[test]
-fn triangles_that_do_not_know_of_each_other_leave_cracks() {
-    let odd = odd_positions(&in_pieces("torus"), &techniques::fragment::Fragment, 20, false, &mut BTreeSet::new());
-    assert!(odd > 0, "the check finds no crack where there are some");
+fn borders_that_are_not_whole_leave_cracks() {
+    let whole = models::builtin("torus").expect("built in").surfaces()[0].clone();
+    let [[u0, u1], [v0, v1]] = whole.domain();
+    let strips = whole.split(Direction::U, u0 + 0.3 * (u1 - u0)).expect("inside");
+    let at = |t: f64| v0 + t * (v1 - v0);
+    let halves =
+        [(0, 0.45), (1, 0.6)].map(|(k, t): (usize, f64)| strips[k].split(Direction::V, at(t)).expect("inside"));
+    let model = Model::of_surfaces("torus", halves.into_iter().flatten().collect()).expect("faces");
+    let odd = TECHNIQUES.map(|technique| odd_positions(&model, technique, 20, false, &mut BTreeSet::new()));
+    assert!(odd.iter().all(|odd| *odd > 0), "the check finds no crack where there are some: {odd:?}");
 }
 
 /// A cubic border between two ends of which another face has a straight one.

@@ -192,7 +192,8 @@ impl SavedFile {
                 Deviation { is_searched: known == Some(Claims::OnRay), ..Deviation::exact() }
             }
             (Claims::Chord, _, Some(stage)) => {
-                Deviation::of_proxy(&stage.interpolation, stage.prepared.chord(), plan.chord_px)
+                let chord = stage.prepared.chord();
+                Deviation::of_proxy(&stage.interpolation, chord, plan.chord_px).meeting(stage.prepared.seams())
             }
             (Claims::Chord, _, None) => Deviation::of_claimed_chord(model, camera, viewport, plan.chord_px),
         };

@@ -175,7 +175,7 @@ impl Stage<'_> {
             Some(normals) => deviation.with_vertex_normals(normals.clone()),
         };
         let deviation = match self.original.as_ref().filter(|_| exact) {
-            None => deviation,
+            None => deviation.meeting(self.prepared.seams()),
             Some(original) => deviation.of_stand_in(original.stand_in),
         };
         match &self.scene.masks() {

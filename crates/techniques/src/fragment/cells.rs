@@ -98,12 +98,13 @@ pub(super) fn total(counts: &[usize]) -> f64 {
 }
 
 /// The chord of each Bézier piece of a face, from the bounds of its surface's derivatives and the cells that it is cut into, plus
-/// what narrowing moves; 0 where the face does not come to.
+/// what narrowing moves; 0 where the face does not come to. Corners are narrowed in local units of so many model
+/// units at most, and off by so many beside.
 pub(super) fn chord_bounds(
     bounds: &Bounds,
     surface: &Surface,
     region: Option<&Region>,
-    frame: &PackedFrame,
+    (frame, [scale, off]): (&PackedFrame, [f64; 2]),
     cells: &Cells,
 ) -> Vec<f64> {
     let domain = surface.domain().map(|[start, end]| end - start);
@@ -119,9 +120,9 @@ pub(super) fn chord_bounds(
             Cells::OfDomain(n) => (whole.chord(domain[0] / *n as f64, domain[1] / *n as f64), domain),
         };
         // Vertices narrow to f32 (half an ulp of the local unit in each coordinate), and a grid line may stand half an
-        // ulp beside its parameter.
+        // ulp beside its parameter, and so may that of the face which evaluates it.
         let speed = (whole.u * interpolated[0]).max(whole.v * interpolated[1]);
-        chords[index] = chord + f64::from(f32::EPSILON) * (frame.scale + speed);
+        chords[index] = chord + f64::from(f32::EPSILON) * (scale + speed) + off;
     }
     chords
 }

@@ -79,16 +79,21 @@ impl Feed for MeshBuffers {
         }
     }
 
-    /// Corners alone: the triangles are the same.
+    /// Corners alone where the triangles are the same, else all of them.
     fn write_changes(&mut self, device: &Device, before: &Tessellation, after: &Tessellation) -> Result<u64, GpuError> {
+        if before.mesh.indices != after.mesh.indices {
+            *self = Self::new(device, after)?;
+            return Ok(self.bytes());
+        }
         let [before, after] = [before, after].map(|of| bytemuck::cast_slice(&of.mesh.vertices));
         device.write_changes("vertices", &self.vertices, before, after)
     }
 }
 
 /// Attributes of a [`Vertex`], by location of `VertexInput` in `shaders/fragment/entry.wgsl`.
-const ATTRIBUTES: [wgpu::VertexAttribute; 5] =
-    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Uint32, 3 => Uint32x2, 4 => Float32x3];
+const ATTRIBUTES: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+    0 => Float32x3, 1 => Float32x2, 2 => Uint32, 3 => Uint32x2, 4 => Float32x3, 5 => Uint32
+];
 
 /// Vertices as the device fetches them.
 const VERTICES: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
@@ -111,6 +116,7 @@ mod tests {
             offset_of!(Vertex, face),
             offset_of!(Vertex, span),
             offset_of!(Vertex, normal),
+            offset_of!(Vertex, frame),
         ];
         assert_eq!(offsets, expected);
         let end = ATTRIBUTES.map(|a| a.offset + a.format.size()).into_iter().max();

@@ -1,6 +1,8 @@
 //! The corners of a tessellation: a grid a span, with a skirt where loops bound the face.
 
-use crate::triangles::{BEYOND, STEEPEST};
+use super::cells::Cells;
+use super::joints::{Fraction, Joints, Site, lines};
+use crate::triangles::{BEYOND, STEEPEST, cell};
 use glam::{DVec2, DVec3};
 use nurbs::{Direction, FirstDerivatives};
 use pipeline::{PackedScene, Parameters, SEARCHED, Vertex};
@@ -54,12 +56,7 @@ pub(super) fn grids_of_spans(
     spans: &[Range<usize>; 2],
     region: Option<&Region>,
 ) -> Vec<Grid> {
-    let lines = |parts: &Vec<usize>| -> Vec<f32> {
-        let of_part = |(k, &n): (usize, &usize)| {
-            (0..n).map(move |i| ((k as f64 + i as f64 / n as f64) / parts.len() as f64) as f32).collect::<Vec<_>>()
-        };
-        parts.iter().enumerate().flat_map(of_part).chain([1.0]).collect()
-    };
+    let lines = |parts: &Vec<usize>| lines(parts).into_iter().map(Fraction::value).collect::<Vec<f32>>();
     let [rows, columns] = [0, 1].map(|k| cells[k][spans[k].clone()].iter().map(lines).collect::<Vec<_>>());
     let mut grids = Vec::with_capacity(rows.len() * columns.len());
     for (k, u) in spans[0].clone().zip(&rows) {
@@ -72,6 +69,15 @@ pub(super) fn grids_of_spans(
         }
     }
     grids
+}
+
+impl Site {
+    /// Moves a vertex to where all faces have it that share it.
+    pub(super) fn place(&self, model: &Model, scene: &PackedScene, vertex: &mut Vertex) {
+        let uv = Place::new(model, scene, self.face, self.at).uv;
+        let s = model.surface(FaceId(self.face as u32)).first_derivatives(uv.x, uv.y).s;
+        (vertex.position, vertex.frame) = (scene.frames()[self.face].local(s), self.face as u32);
+    }
 }
 
 impl Grid {
@@ -99,18 +105,43 @@ impl Grid {
     pub(super) fn rows(&self) -> usize {
         self.corners.len() / self.columns
     }
+
+    /// Calls with the row and the column of each cell.
+    fn cells(&self, mut call: impl FnMut([usize; 2])) {
+        (0..self.rows() - 1).for_each(|i| (0..self.columns - 1).for_each(|j| call([i, j])));
+    }
+
+    /// The corners of a cell's two triangles, where the grid's are `first` and those that follow.
+    fn triangles(&self, first: u32, [row, column]: [usize; 2]) -> [u32; 6] {
+        cell(first + (row * self.columns + column) as u32, self.columns as u32)
+    }
 }
 
-/// The vertices of one face.
+/// The triangles of one face.
+#[derive(Default)]
+pub(super) struct FaceMesh {
+    pub(super) vertices: Vec<Vertex>,
+    /// Three a triangle, from the face's first vertex on.
+    pub(super) indices: Vec<u32>,
+    /// The corners that are evaluated where all faces do that share them, by their places among the vertices.
+    pub(super) shared: Vec<(u32, Site)>,
+}
+
+/// The triangles of a face: two a cell of its grids; where another face cuts a cell's side, a fan about the cell's middle.
+///
+/// `foreign` are the corners that other faces have on each border.
 pub(super) fn mesh(
     model: &Model,
     scene: &PackedScene,
     id: usize,
-    grids: &[Grid],
-    skirt: Option<&Skirt>,
-) -> Vec<Vertex> {
+    (grids, skirt): (&[Grid], Option<&Skirt>),
+    joints: &Joints,
+    foreign: &[Vec<Vec<Fraction>>],
+    cells: &Cells,
+) -> FaceMesh {
     let surface = model.surface(FaceId(id as u32));
-    let mut vertices = Vec::with_capacity(grids.iter().map(|grid| grid.corners.len()).sum());
+    let corners = grids.iter().map(|grid| grid.corners.len()).sum();
+    let mut mesh = FaceMesh { vertices: Vec::with_capacity(corners), indices: vec![], shared: vec![] };
     let mut evaluated = vec![];
     for grid in grids {
         let places = grid.corners.iter().map(|&uv| Place::new(model, scene, id, Parameters { span: grid.span, uv }));
@@ -118,9 +149,78 @@ pub(super) fn mesh(
         evaluated.clear();
         surface.evaluate_many(&places.iter().map(|place| place.uv).collect::<Vec<_>>(), &mut evaluated);
         let known = places.iter().zip(&evaluated);
-        vertices.extend(known.map(|(place, known)| place.vertex(model, scene, id, known.derivatives, skirt)));
+        mesh.vertices.extend(known.map(|(place, known)| place.vertex(model, scene, id, known.derivatives, skirt)));
     }
-    vertices
+    let mut first = 0;
+    for grid in grids {
+        let sides = std::array::from_fn(|side| joints.border(id, grid.span, side));
+        match cells {
+            Cells::OfSpans(counts) if sides.iter().any(Option::is_some) => {
+                let lines = [0, 1].map(|k| lines(&counts[k][grid.span[k] as usize]));
+                let vertex = |uv| corner(model, scene, id, Parameters { span: grid.span, uv }, skirt);
+                mesh.stitch(grid, first, (joints, &sides, foreign), &lines, vertex);
+            }
+            _ => grid.cells(|at| mesh.indices.extend(grid.triangles(first, at))),
+        }
+        first += grid.corners.len() as u32;
+    }
+    for &(number, site) in &mesh.shared {
+        site.place(model, scene, &mut mesh.vertices[number as usize]);
+    }
+    mesh
+}
+
+impl FaceMesh {
+    /// Appends the triangles of a grid with borders along some of its sides, whose corners are `first` and those that follow.
+    fn stitch(
+        &mut self,
+        grid: &Grid,
+        first: u32,
+        (joints, sides, foreign): (&Joints, &[Option<usize>; 4], &[Vec<Vec<Fraction>>]),
+        lines: &[Vec<Fraction>; 2],
+        vertex: impl Fn([f32; 2]) -> Vertex,
+    ) {
+        let [rows, columns] = [grid.rows(), grid.columns];
+        let mut between: [Vec<Vec<u32>>; 4] = Default::default();
+        for (side, border) in (0..4).zip(sides).filter_map(|(side, border)| Some((side, (*border)?))) {
+            let (along, end) = (1 - side / 2, side % 2);
+            for (k, line) in lines[along].iter().enumerate() {
+                let [i, j] = if side < 2 { [end * (rows - 1), k] } else { [k, end * (columns - 1)] };
+                self.shared.push((first + (i * columns + j) as u32, joints.site(border, *line)));
+            }
+            let mut of_cell = |places: &Vec<Fraction>| {
+                let append = |place: &Fraction| {
+                    let mut uv = [end as f32; 2];
+                    uv[along] = place.value();
+                    let number = self.vertices.len() as u32;
+                    self.vertices.push(vertex(uv));
+                    self.shared.push((number, joints.site(border, *place)));
+                    number
+                };
+                places.iter().map(append).collect()
+            };
+            between[side] = foreign[border].iter().map(&mut of_cell).collect();
+        }
+        grid.cells(|[i, j]| {
+            let on = |side: usize, is_there: bool, k: usize| -> &[u32] {
+                between[side].get(k).filter(|_| is_there).map_or(&[], Vec::as_slice)
+            };
+            // In the order in which the cell's outline runs.
+            let [v0, u1] = [on(2, j == 0, i), on(1, i + 2 == rows, j)];
+            let [v1, u0] = [on(3, j + 2 == columns, i), on(0, i == 0, j)];
+            let [a, b, c, _, _, d] = grid.triangles(first, [i, j]);
+            if [v0, u1, v1, u0].iter().all(|side| side.is_empty()) {
+                self.indices.extend([a, b, c, a, c, d]);
+                return;
+            }
+            let middle = self.vertices.len() as u32;
+            let [low, high] = [grid.corners[i * columns + j], grid.corners[(i + 1) * columns + j + 1]];
+            self.vertices.push(vertex([0, 1].map(|k| 0.5 * (low[k] + high[k]))));
+            let backwards = |side: &[u32]| side.iter().rev().copied().collect::<Vec<_>>();
+            let outline = [&[a], v0, &[b], u1, &[c], &backwards(v1), &[d], &backwards(u0), &[a]].concat();
+            self.indices.extend(outline.windows(2).flat_map(|ends| [middle, ends[0], ends[1]]));
+        });
+    }
 }
 
 /// A normal is taken from tangents that are longer, across the span, than this share of the face, and whose angle's sine is greater; else

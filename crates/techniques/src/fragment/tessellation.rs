@@ -1,19 +1,24 @@
 //! The triangles of technique `fragment`: a coarse tessellation, whose corners carry (u, v, face).
 
 use super::cells::{Cells, GREATEST_CELLS, Wanted, chord_bounds, total};
-use super::grid::{Grid, Skirt, corner, grids_of_spans, mesh};
+use super::grid::{FaceMesh, Grid, Skirt, corner, grids_of_spans, mesh};
+use super::joints::{Joints, Site};
 use crate::error::PrepareError;
 use crate::technique::Setting;
+use crate::triangles::SKIRT_PX;
 use crate::triangles::bounds::Bounds;
 use crate::triangles::coarsened::{REFINED_TRIANGLES, coarsened};
 use crate::triangles::floor::height;
 use crate::triangles::frustum::pixels;
 use crate::triangles::patches::spans_of;
-use crate::triangles::{SKIRT_PX, cell};
+use crate::triangles::rounding::rounding;
+use compare::Seams;
 use nurbs::Surface;
 use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Parameters, SEARCHED, Vertex, in_drawing_order};
 use rayon::prelude::*;
 use scene::{Face, FaceId, Model};
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Flat triangles over all faces of a scene; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -31,6 +36,14 @@ pub struct Tessellation {
     normal_cells: Vec<Vec<compare::Cells>>,
     /// Of each face that loops bound.
     skirts: Vec<Option<Skirt>>,
+    /// What faces share.
+    joints: Joints,
+    /// The same, in the judge's words.
+    pub(super) seams: Arc<Seams>,
+    /// The corners that are evaluated for several faces at once, ascending by their places in the mesh.
+    shared: Vec<(u32, Site)>,
+    /// Whether what is shown is what the triangles carry.
+    vertex_normals: bool,
 }
 
 impl Tessellation {
@@ -44,6 +57,8 @@ impl Tessellation {
     /// A face that loops bound has a skirt: its triangles go on beyond the domain's border, straight away from it as the camera
     /// sees it, by what they may fall short of the border; their parameters go on too. What lies beyond the border is cut
     /// ([`is_shown`](pipeline::sight::is_shown)). No skirt goes on from a collapsed border.
+    ///
+    /// Faces that no loops bound and that have a whole border in common meet there vertex on vertex: each has the corners of all.
     ///
     /// # Errors
     /// [`PrepareError`].
@@ -69,11 +84,13 @@ impl Tessellation {
         let least = 4.0 * wanted.iter().map(parts).sum::<f64>();
         type Counts = [Vec<Vec<usize>>; 2];
         let along = |spans: &[Vec<usize>]| spans.iter().map(|parts| total(parts)).sum::<f64>();
+        let joints = Joints::new(model);
         let triangles = |cells: &[Counts]| {
             let of_face = |(face, cells): (&Wanted, &Counts)| {
                 [0, 1].map(|k| along(&cells[k][face.spans[k].clone()])).iter().product::<f64>()
             };
-            2.0 * wanted.iter().zip(cells).map(of_face).sum::<f64>()
+            // A corner from another face brings one triangle, and the fan that it makes of its cell two.
+            2.0 * wanted.iter().zip(cells).map(of_face).sum::<f64>() + 3.0 * joints.most_foreign(cells)
         };
         let floors = |height: u32| wanted.par_iter().map(|face| face.least(height)).collect::<Vec<Counts>>();
         let floors = floors(if vertex_normals { height(|height| triangles(&floors(height))) } else { 0 });
@@ -99,7 +116,7 @@ impl Tessellation {
         let skirts = wanted.iter().enumerate().map(skirt).collect();
         let cells = cells.into_iter().map(Cells::OfSpans).collect();
         let bounds: Vec<&Bounds> = wanted.iter().map(|face| face.bounds).collect();
-        Self::over(model, scene, &bounds, cells, (grids, skirts), built_px)
+        Self::over(model, scene, &bounds, cells, (grids, skirts, joints), (built_px, vertex_normals))
             .ok_or(PrepareError::TooManyTriangles { chord_px })
     }
 
@@ -120,7 +137,7 @@ impl Tessellation {
         let bounds: Vec<&Bounds> = model.faces().iter().map(|face| &of_surface[face.surface]).collect();
         let cells = vec![Cells::OfDomain(cells); model.faces().len()];
         let skirts = vec![None; model.faces().len()];
-        Self::over(model, scene, &bounds, cells, (grids, skirts), f64::NAN).ok_or(too_many)
+        Self::over(model, scene, &bounds, cells, (grids, skirts, Joints::default()), (f64::NAN, false)).ok_or(too_many)
     }
 
     fn over(
@@ -128,39 +145,56 @@ impl Tessellation {
         scene: &PackedScene,
         bounds: &[&Bounds],
         cells: Vec<Cells>,
-        (grids, skirts): (Vec<Vec<Grid>>, Vec<Option<Skirt>>),
-        built_px: f64,
+        (grids, skirts, joints): (Vec<Vec<Grid>>, Vec<Option<Skirt>>, Joints),
+        (built_px, vertex_normals): (f64, bool),
     ) -> Option<Self> {
         let triangles: usize = grids.iter().flatten().map(|grid| 2 * (grid.rows() - 1) * (grid.columns - 1)).sum();
         if triangles > GREATEST_TRIANGLES {
             return None;
         }
-        let of_face = |(id, grids): (usize, &Vec<Grid>)| mesh(model, scene, id, grids, skirts[id].as_ref());
-        let meshes: Vec<Vec<Vertex>> = grids.par_iter().enumerate().map(of_face).collect();
-        let chord = |(id, cells): (usize, &Cells)| {
-            let face = FaceId(id as u32);
-            chord_bounds(bounds[id], model.surface(face), model.region(face), &scene.frames()[id], cells)
+        let foreign = joints.foreign(&cells);
+        let of_face = |(id, grids): (usize, &Vec<Grid>)| {
+            mesh(model, scene, id, (grids, skirts[id].as_ref()), &joints, &foreign, &cells[id])
         };
-        let chord = cells.par_iter().enumerate().map(chord).collect();
-        let mut all = Mesh::with_capacity(meshes.iter().map(Vec::len).sum(), triangles);
+        let mut meshes: Vec<FaceMesh> = grids.par_iter().enumerate().map(of_face).collect();
+        let total = |count: fn(&FaceMesh) -> usize| meshes.iter().map(count).sum::<usize>();
+        let [vertices, indices] = [total(|mesh| mesh.vertices.len()), total(|mesh| mesh.indices.len())];
+        if indices > 3 * GREATEST_TRIANGLES {
+            return None;
+        }
+        let mut all = Mesh::with_capacity(vertices, indices / 3);
+        let mut shared = vec![];
         for id in in_drawing_order(scene) {
-            let mut base = all.vertices.len() as u32;
+            let base = all.vertices.len() as u32;
             let first = all.indices.len() as u32;
-            all.vertices.extend_from_slice(&meshes[id]);
-            for grid in &grids[id] {
-                let [columns, rows] = [grid.columns, grid.rows()].map(|count| count as u32);
-                for i in 0..rows - 1 {
-                    for j in 0..columns - 1 {
-                        all.indices.extend(cell(base + i * columns + j, columns));
-                    }
-                }
-                base += rows * columns;
-            }
+            let mesh = std::mem::take(&mut meshes[id]);
+            all.vertices.extend(mesh.vertices);
+            all.indices.extend(mesh.indices.iter().map(|index| base + index));
+            shared.extend(mesh.shared.iter().map(|(vertex, site)| (base + vertex, *site)));
             all.batch(scene.programs()[id], first);
         }
+        // A corner of a face's program comes after those of programs before.
+        shared.sort_by_key(|(vertex, _)| *vertex);
+        shared.dedup_by_key(|(vertex, _)| *vertex);
         let of_pieces = |(cells, bounds): (&Cells, &&Bounds)| cells.of_pieces(bounds);
         let normal_cells = cells.iter().zip(bounds).map(of_pieces).collect();
-        Some(Self { mesh: all, chord, built_px, cells, normal_cells, skirts })
+        let chord = vec![vec![]; cells.len()];
+        let mut all = Self {
+            mesh: all,
+            chord,
+            built_px,
+            cells,
+            normal_cells,
+            skirts,
+            seams: Arc::new(joints.seams()),
+            joints,
+            shared,
+            vertex_normals,
+        };
+        let narrowed = all.narrowed(scene);
+        let chord = |(id, narrowed): (usize, &[f64; 2])| all.chord_of(model, scene, id, bounds[id], *narrowed);
+        all.chord = narrowed.par_iter().enumerate().map(chord).collect();
+        Some(all)
     }
 
     /// For each face and each of its Bézier pieces how it is cut.
@@ -168,21 +202,62 @@ impl Tessellation {
         &self.normal_cells
     }
 
-    /// Moves the corners of a face with its surface, at the parameters that they have: after an edit nothing is tessellated
-    /// anew. [`Self::chord`] says what the triangles are good for then.
+    /// Of each face, model units: the greatest local unit in which its corners are narrowed; and how far off the device evaluates some of
+    /// them by itself, where it shows what lies on the triangles.
+    fn narrowed(&self, scene: &PackedScene) -> Vec<[f64; 2]> {
+        let scale = |id: usize| scene.frames()[id].scale;
+        let mut narrowed: Vec<[f64; 2]> = (0..self.cells.len()).map(|id| [scale(id), 0.0]).collect();
+        for (vertex, site) in &self.shared {
+            let face = self.mesh.vertices[*vertex as usize].face;
+            if face as usize != site.face {
+                let own = &mut narrowed[face as usize];
+                let evaluated = if self.vertex_normals { rounding(scene, face) } else { 0.0 };
+                *own = [own[0].max(scale(site.face)), evaluated];
+            }
+        }
+        narrowed
+    }
+
+    /// [`chord_bounds`] of a face.
+    fn chord_of(&self, model: &Model, scene: &PackedScene, id: usize, bounds: &Bounds, narrowed: [f64; 2]) -> Vec<f64> {
+        let face = FaceId(id as u32);
+        let frame = (&scene.frames()[id], narrowed);
+        chord_bounds(bounds, model.surface(face), model.region(face), frame, &self.cells[id])
+    }
+
+    /// Moves the corners of a face with its surface, and those that its neighbours share with it, at the parameters that they have: after
+    /// an edit nothing is tessellated anew. [`Self::chord`] says what the triangles are good for then.
+    ///
+    /// `None` where the edit has changed which borders faces share.
     ///
     /// # Panics
     /// Where the model has no such face.
-    pub fn follow(&mut self, model: &Model, scene: &PackedScene, face: FaceId) {
+    pub fn followed(&self, model: &Model, scene: &PackedScene, face: FaceId) -> Option<Self> {
+        let joints = self.joints.edited(model, face);
+        if !joints.are_as(&self.joints) {
+            return None;
+        }
         let id = face.0 as usize;
+        let mut all = Self { joints, ..self.clone() };
         let of_face = |vertex: &Vertex| vertex.face == face.0;
-        let Some(first) = self.mesh.vertices.iter().position(of_face) else { return };
-        for vertex in self.mesh.vertices[first..].iter_mut().take_while(|vertex| of_face(vertex)) {
+        let first = all.mesh.vertices.iter().position(of_face).unwrap_or(all.mesh.vertices.len());
+        for vertex in all.mesh.vertices[first..].iter_mut().take_while(|vertex| of_face(vertex)) {
             let at = Parameters { span: vertex.span, uv: vertex.uv };
             *vertex = corner(model, scene, id, at, self.skirts[id].as_ref());
         }
-        let surface = model.surface(face);
-        let bounds = Bounds::of(&surface.bezier_patches());
-        self.chord[id] = chord_bounds(&bounds, surface, model.region(face), &scene.frames()[id], &self.cells[id]);
+        let mut moved = BTreeSet::from([id]);
+        for (number, site) in &self.shared {
+            let vertex = &mut all.mesh.vertices[*number as usize];
+            if vertex.face == face.0 || site.face == id {
+                site.place(model, scene, vertex);
+                moved.insert(vertex.face as usize);
+            }
+        }
+        let narrowed = all.narrowed(scene);
+        for id in moved {
+            let bounds = Bounds::of(&model.surface(FaceId(id as u32)).bezier_patches());
+            all.chord[id] = all.chord_of(model, scene, id, &bounds, narrowed[id]);
+        }
+        Some(all)
     }
 }

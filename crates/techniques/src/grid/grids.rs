@@ -13,12 +13,14 @@ use crate::triangles::cell;
 use crate::triangles::coarsened::coarsened;
 use crate::triangles::floor::{floor, height};
 use crate::triangles::patches::spans_of;
-use compare::Cells;
+use crate::triangles::rounding::rounding;
+use compare::{Cells, Seams};
 use nurbs::{BezierPatch, DerivativeBounds, Hull, Surface};
-use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Program, RATIONAL, Vertex, View};
+use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Program, Vertex, View};
 use rayon::prelude::*;
 use scene::{FaceId, Model};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Grids over all patches of a scene, as a picture has them; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -42,6 +44,8 @@ pub struct Grids {
     pub chord: Vec<Vec<f64>>,
     /// How each of them is cut.
     pub cells: Vec<Vec<Cells>>,
+    /// Where faces meet.
+    pub seams: Arc<Seams>,
 }
 
 /// The grids of one picture; none by default.
@@ -187,7 +191,8 @@ impl Grids {
         if least > GREATEST_TRIANGLES {
             return Err(PrepareError::TooManyTriangles { chord_px });
         }
-        let mut grids = Self { records, measures, programs, views, ..Self::default() };
+        let seams = Arc::new(joints.seams);
+        let mut grids = Self { records, measures, programs, views, seams, ..Self::default() };
         let most = limits.level.min(GREATEST_LEVEL);
         if vertex_normals {
             grids.asked = Asked::new(f64::INFINITY, most);
@@ -366,24 +371,16 @@ fn programs(scene: &PackedScene, records: &[GridRecord]) -> Vec<(Program, Range<
 /// Of each Bézier piece of each face the chord and the greatest cells of its parts, by the levels that each patch asks for alone, seen
 /// or not: borders make cells shorter. All are 0 where the face does not come to.
 ///
-/// To the bound on cells the chord adds what f32 makes of corners: of the basis functions, which are sums of products of what is
-/// not negative, 10 roundings a degree; of the sums over control points, which are at most 1, one a term; and as much for the
-/// weights' sum. What lies on a shared border is evaluated in another face's units.
+/// To the bound on cells the chord adds what f32 makes of corners ([`rounding`]). What lies on a shared border is evaluated in another
+/// face's units.
 fn of_pieces(scene: &PackedScene, placed: &[Placed], chosen: &[Chosen]) -> (Vec<Vec<f64>>, Vec<Vec<Cells>>) {
-    const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
-    let rounding = |face: u32| {
-        let f = &scene.faces()[face as usize];
-        let degrees = f64::from(f.degree_u + f.degree_v);
-        let of_weights = if f.flags & RATIONAL != 0 { 2.0 } else { 1.0 };
-        (11.0 * degrees + 8.0) * of_weights * UNIT * scene.frames()[face as usize].scale
-    };
     let mut chords: Vec<Vec<f64>> = scene.frames().iter().map(|frame| vec![0.0; frame.pieces()]).collect();
     let mut cells: Vec<Vec<Cells>> =
         scene.frames().iter().map(|frame| vec![Cells::in_parts([1, 1]); frame.pieces()]).collect();
     for (Placed { record, measured, .. }, Chosen { level, .. }) in placed.iter().zip(chosen) {
         let borders = record.borders.iter().map(|border| border.face);
         let faces = borders.chain(record.corners.iter().map(|corner| corner.face)).chain([record.face]);
-        let rounding = faces.map(rounding).fold(0.0, f64::max);
+        let rounding = faces.map(|face| rounding(scene, face)).fold(0.0, f64::max);
         let [width, height] = measured.size();
         let size = measured.part.size.map(f64::from);
         let speed = (measured.bounds.u * width / size[0]).max(measured.bounds.v * height / size[1]);

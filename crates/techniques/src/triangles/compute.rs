@@ -377,9 +377,13 @@ impl Pass for Kernels {
         Ok(())
     }
 
-    /// Corners alone: the triangles are the same.
+    /// Corners alone where the triangles are the same, else all of them.
     fn write_changes(&mut self, device: &Device, before: &dyn Drawable, after: &dyn Drawable) -> Result<u64, GpuError> {
         let (before, after) = (before.of::<ByCompute>(self.technique)?, after.of::<ByCompute>(self.technique)?);
+        if before.mesh().indices != after.mesh().indices {
+            self.fed = Fed::new(device, after.mesh(), self.fed.rounds)?;
+            return Ok(self.fed.mesh.size());
+        }
         let [before, after] = [before, after].map(|of| bytemuck::cast_slice(&of.mesh().vertices));
         device.write_changes("vertices", &self.fed.mesh, before, after)
     }
