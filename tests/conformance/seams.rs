@@ -69,7 +69,7 @@ fn let_pass(model: &Model, plan: Plan, shown: Shown) -> (usize, [usize; 2]) {
     ];
     let found = reports.map(|report| {
         let of = |cause| report.causes.get(&cause).copied().unwrap_or(0);
-        wrong - (of(Cause::Coverage) + of(Cause::Depth)) as usize
+        wrong - (of(Cause::Coverage) + of(Cause::Depth))
     });
     (wrong, found)
 }

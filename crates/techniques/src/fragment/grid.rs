@@ -1,7 +1,7 @@
 //! The corners of a tessellation: a grid a span, with a skirt where loops bound the face.
 
 use super::cells::Cells;
-use super::joints::{Fraction, Joints, Site, lines};
+use super::joints::{Foreign, Fraction, Joints, Site, lines};
 use crate::triangles::{BEYOND, STEEPEST, cell};
 use glam::{DVec2, DVec3};
 use nurbs::{Direction, FirstDerivatives};
@@ -136,7 +136,7 @@ pub(super) fn mesh(
     id: usize,
     (grids, skirt): (&[Grid], Option<&Skirt>),
     joints: &Joints,
-    foreign: &[Vec<Vec<Fraction>>],
+    foreign: &[Foreign],
     cells: &Cells,
 ) -> FaceMesh {
     let surface = model.surface(FaceId(id as u32));
@@ -176,7 +176,7 @@ impl FaceMesh {
         &mut self,
         grid: &Grid,
         first: u32,
-        (joints, sides, foreign): (&Joints, &[Option<usize>; 4], &[Vec<Vec<Fraction>>]),
+        (joints, sides, foreign): (&Joints, &[Option<usize>; 4], &[Foreign]),
         lines: &[Vec<Fraction>; 2],
         vertex: impl Fn([f32; 2]) -> Vertex,
     ) {

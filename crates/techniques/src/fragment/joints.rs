@@ -41,6 +41,9 @@ impl Fraction {
     }
 }
 
+/// Of a border and each of the cells along it the corners that other faces have there; empty where no other one cuts it.
+pub(super) type Foreign = Vec<Vec<Fraction>>;
+
 /// The lines of a span that is cut into parts, each into so many cells: from 0 to 1.
 pub(super) fn lines(parts: &[usize]) -> Vec<Fraction> {
     let of_part = |(k, &cells): (usize, &usize)| (0..cells).map(move |i| Fraction::new([k, parts.len()], [i, cells]));
@@ -228,9 +231,8 @@ impl Joints {
         self.shared.iter().map(of_shared).sum()
     }
 
-    /// Of each border and each of its own cells the corners between its ends that other faces have there; nothing of a border that no
-    /// other one cuts.
-    pub(super) fn foreign(&self, cells: &[Cells]) -> Vec<Vec<Vec<Fraction>>> {
+    /// Of each border the corners that other faces have between its own.
+    pub(super) fn foreign(&self, cells: &[Cells]) -> Vec<Foreign> {
         let mut foreign = vec![vec![]; self.borders.len()];
         let own_lines = |number: usize| -> Vec<Fraction> {
             let border = &self.borders[number];
@@ -244,7 +246,7 @@ impl Joints {
             };
             let mut all: Vec<Fraction> = members.iter().flat_map(along_owner).collect();
             all.sort_by(Fraction::cmp);
-            all.dedup_by(|a, b| a.cmp(&b).is_eq());
+            all.dedup_by(|a, b| (*a).cmp(b).is_eq());
             for &number in members {
                 let lines = own_lines(number);
                 if lines.len() == all.len() {
