@@ -191,6 +191,11 @@ impl LookArgs {
         self.shading().ok().filter(|_| is_plain && !has_ground)
     }
 
+    /// Whether what is shown has bands, or lines, that can be drawn as curves.
+    pub fn is_banded(&self) -> bool {
+        self.goes(&[Look::Isophotes, Look::Zebra, Look::Highlight])
+    }
+
     /// Whether a light can be given.
     pub fn is_lit(&self) -> bool {
         self.goes(&[Look::Phong, Look::Isophotes, Look::Highlight])

@@ -310,6 +310,33 @@ fn render_writes_a_picture_and_a_gbuffer_that_reads_back() {
 }
 
 #[test]
+fn overlays_go_with_pictures_and_with_what_they_need() {
+    for (arguments, words) in [
+        (&["--overlay", "sections"][..], "--overlay sections goes with --section PLANE"),
+        (&["--section", "z=1"], "--section goes with --overlay sections, or with --overlay combs"),
+        (&["--isoparams", "3", "--overlay", "net"], "--parameters goes with --overlay parameters"),
+        (&["--overlay", "net", "--out", "x.svg"], "--out is one of lines (--lines)"),
+        (&["--overlay", "net", "--out", "x.exr"], "--overlay goes with a picture"),
+        (&["--overlay", "bands", "--shade", "phong", "--out", "x.png"], "--shade isophotes, zebra or highlight"),
+        (&["--overlay", "plaid"], "borders, parameters, trims, net, combs"),
+    ] {
+        refused(&[&["render", "teapot", "--size", "16x16"], arguments].concat(), &[words]);
+    }
+    let picture = |name: &str, overlay: &[&str]| {
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).display().to_string();
+        let drawn = isophote(&[&["render", "islands", "--size", "96x96", "--out", &out], overlay].concat());
+        assert!(drawn.status.success(), "{}", text(&drawn.stderr));
+        (std::fs::read(&out).expect("a picture"), text(&drawn.stderr))
+    };
+    let plain = picture("overlay-none.png", &[]).0;
+    for kind in ["borders", "isoparams", "trims", "net", "combs", "silhouettes", "bands", "continuity,net"] {
+        let (drawn, said) = picture("overlay.png", &["--overlay", kind]);
+        assert_ne!(drawn, plain, "{kind}");
+        assert_eq!(said.contains("pixels are a curvature of"), kind == "combs", "{said}");
+    }
+}
+
+#[test]
 fn masks_are_reported_and_too_little_memory_makes_them_coarser_or_is_refused() {
     let texture =
         |more: &[&'static str]| [&["compare", "islands", "--trim", "texture", "--format", "json"], more].concat();
