@@ -201,6 +201,37 @@ fn a_saved_gbuffer_is_judged_with_the_same_report_pictures_and_exit_codes() {
     assert!(table.contains("numpy-example") && table.contains("DIFFER") && table.contains("interpolation"), "{table}");
 }
 
+/// A pixel that agrees, and the same with its neighbour's values, of which a ray says the cause.
+#[test]
+fn a_pixel_of_a_saved_gbuffer_is_told_in_words() {
+    let path = |name: &str| Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let told = |path: &Path, pixel: &str| {
+        let output = isophote(&["pixel", path.to_str().expect("UTF-8"), pixel]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let good = path("pixel-good.npz");
+    let drawn = ["render", "teapot", "--size", "48x48", "--gbuffer", good.to_str().expect("UTF-8")];
+    assert!(isophote(&drawn).status.success());
+    let said = told(&good, "24,24");
+    for words in ["pixel (24, 24) of 48x48", "raster, technique fragment", "the same face", "verdict: it agrees"] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let buffer = gbuffer::GBuffer::read_npz(&good).expect("a readable G-buffer");
+    let rows =
+        (0..48).map(|y| (0..48).map(|x| buffer.get(x, if (x, y) == (24, 24) { 26 } else { y }).copied()).collect());
+    let meta = gbuffer::Meta { renderer: "other".to_owned(), ..buffer.meta().clone() };
+    let bad = path("pixel-bad.npz");
+    gbuffer::GBuffer::from_rows(buffer.viewport(), meta, rows).write_npz(&bad).expect("a folder to write to");
+    let said = told(&bad, "24,24");
+    assert!(said.contains("verdict: it differs, by ") && said.contains("next: isophote compare"), "{said}");
+    assert!(told(&bad, "0,0").contains("nothing"));
+    let bad = bad.to_str().expect("UTF-8");
+    refused(&["pixel", bad, "48,0"], &["outside the picture of 48x48"]);
+    refused(&["pixel", bad, "1,1", "--view", "top"], &["--view does not go with a saved G-buffer"]);
+    refused(&["pixel", "teapot", "1,1", "--model", "teapot"], &["--model names what a saved G-buffer"]);
+}
+
 #[test]
 fn saved_gbuffers_that_cannot_be_judged_are_refused() {
     let cut = file("cut.npz", "");
