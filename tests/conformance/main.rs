@@ -19,6 +19,7 @@ mod rays;
 mod samples;
 mod snapping;
 mod three_way;
+mod toolchain;
 mod trim_texture;
 mod trims;
 mod vacuity;
