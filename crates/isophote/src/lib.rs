@@ -33,6 +33,7 @@ pub mod overlay;
 pub mod pixel;
 pub mod render;
 pub mod scene;
+pub mod shadow;
 pub mod sight;
 pub mod study;
 pub mod technique;

@@ -10,6 +10,7 @@ use crate::masks::MaskReport;
 use crate::output;
 use crate::overlay::Overlay;
 use crate::say;
+use crate::shadow::Ground;
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use crate::with::With;
@@ -69,6 +70,11 @@ pub struct RenderArgs {
     /// that `compare` judges it by itself.
     #[arg(long, help_heading = "Output", value_name = "X.npz", allow_hyphen_values = true)]
     gbuffer: Option<PathBuf>,
+    /// The shadow of the model on the ground below it [default: none]
+    ///
+    /// The ground is the plane z = least of the model. On a dark background it is hardly seen: --background white.
+    #[arg(long, help_heading = "Shading", value_enum, hide_short_help = true)]
+    shadow: Option<Shadow>,
     /// Over it: borders,parameters,trims,net,combs,sections,continuity
     ///
     /// `continuity` shows shared edges by their class: A is green, B blue, C orange, undecided purple, none red; free ones are grey. All
@@ -96,6 +102,13 @@ impl RenderArgs {
             None => Ok(()),
         }
     }
+}
+
+/// Where a shadow falls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Shadow {
+    /// On the plane below the model
+    Ground,
 }
 
 /// What is drawn over a picture.
@@ -156,6 +169,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if numbers.is_some() {
         args.check_numbers()?;
     }
+    if args.shadow.is_some() && (lines.is_some() || numbers.is_some() || args.look.is_transparent()) {
+        bail!("--shadow goes with a picture that has a background");
+    }
     let is_jpeg = matches!(kind, Some("jpg" | "jpeg"));
     if is_jpeg && args.look.is_transparent() {
         bail!("--background transparent goes with PNG, and JPEG has no transparency");
@@ -170,7 +186,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         }
     }
     let Document { model: original, unit, .. } = args.model.document()?;
-    let other = args.look.other_version()?;
+    let opened = args.look.opened()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&original, viewport)?;
     let drawn = args.approximate.drawn(&original, &camera, viewport)?;
@@ -197,6 +213,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         let limits = Class::A.limits().in_units_of(millimetres);
         Overlay::of(&report(&original, Settings { millimetres, ..Settings::new(limits, &original) }))
     });
+    let ground = args.shadow.filter(|_| shows).map(|Shadow::Ground| Ground::new(model, &camera));
     let (mut covered, mut open, mut pictures, mut painter) = (0, 0, vec![], None::<Painter>);
     let mut seen = vec![0u32; viewport.pixels()];
     each_sample(args, model, camera, viewport, |camera, buffer| {
@@ -212,8 +229,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         open += buffer.undecided();
         if shows {
             // A range that is found is that of the first sample.
-            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length, other.as_ref()));
-            let picture = painter.painted(&buffer, model, camera)?;
+            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length, &opened));
+            let mut picture = painter.painted(&buffer, model, camera)?;
+            if let Some(ground) = &ground {
+                picture = ground.shaded(&picture, &buffer, camera);
+            }
             seen.iter_mut().zip(buffer.pixels()).for_each(|(seen, hit)| *seen += u32::from(hit.is_some()));
             let picture = if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture };
             pictures.push(match &overlay {

@@ -368,6 +368,42 @@ fn overlays_go_with_pictures_and_with_what_they_need() {
 }
 
 #[test]
+fn shadings_for_people_are_drawn_and_their_options_go_with_nothing_else() {
+    for (arguments, words) in [
+        (&["--shade", "phong", "--environment", "x.png"][..], "--environment goes with --shade reflection"),
+        (&["--shade", "reflection", "--pattern", "dots"], "--pattern goes with --shade zebra"),
+        (&["--shade", "reflection", "--light", "0", "0", "1"], "--light goes with --shade"),
+        (&["--shade", "reflection", "--environment", "absent.png"], "absent.png"),
+        (&["--shadow", "ground", "--out", "x.svg"], "--shadow goes with a picture"),
+        (&["--shadow", "ground", "--background", "transparent", "--out", "x.png"], "--shadow goes with a picture"),
+        (&["--shade", "zebra", "--pattern", "dots", "--lines", "bands", "--out", "x.svg"], "lines of bands go with"),
+    ] {
+        refused(&[&["render", "teapot", "--size", "16x16"], arguments].concat(), &[words]);
+    }
+    let picture = |look: &[&str]| {
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("look.png").display().to_string();
+        let drawn = isophote(&[&["render", "teapot", "--size", "64x64", "--out", &out], look].concat());
+        assert!(drawn.status.success(), "{look:?}: {}", text(&drawn.stderr));
+        std::fs::read(&out).expect("a picture")
+    };
+    let looks: [&[&str]; 8] = [
+        &["--shade", "phong"],
+        &["--shade", "phong", "--light", "-0.5", "0.6", "1"],
+        &["--shade", "reflection"],
+        &["--shade", "zebra"],
+        &["--shade", "zebra", "--pattern", "checker"],
+        &["--shade", "zebra", "--pattern", "dots"],
+        &["--shade", "phong", "--background", "white"],
+        &["--shade", "phong", "--background", "white", "--shadow", "ground"],
+    ];
+    let drawn: Vec<Vec<u8>> = looks.iter().map(|look| picture(look)).collect();
+    for (k, own) in drawn.iter().enumerate() {
+        assert!(!drawn[..k].contains(own), "{:?} is drawn as another", looks[k]);
+    }
+    assert_eq!(picture(&["--shade", "zebra", "--pattern", "stripes"]), drawn[3]);
+}
+
+#[test]
 fn masks_are_reported_and_too_little_memory_makes_them_coarser_or_is_refused() {
     let texture =
         |more: &[&'static str]| [&["compare", "islands", "--trim", "texture", "--format", "json"], more].concat();
