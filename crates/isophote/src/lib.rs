@@ -2,6 +2,15 @@
 //!
 //! A library, so that `cargo xtask` offers the same commands, and the conformance tests drive the same [`stage`] as a user
 //! does.
+//!
+//! # Examples
+//! ```
+//! use clap::Parser;
+//! use isophote::commands::Cli;
+//!
+//! assert!(Cli::try_parse_from(["isophote", "compare", "teapot", "--no-gpu"]).is_ok());
+//! assert!(Cli::try_parse_from(["isophote", "compare", "teapot", "--no-cpu"]).is_err());
+//! ```
 
 pub mod adapters;
 pub mod angles;
