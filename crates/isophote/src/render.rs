@@ -75,7 +75,7 @@ pub struct RenderArgs {
     /// The ground is the plane z = least of the model. On a dark background it is hardly seen: --background white.
     #[arg(long, help_heading = "Shading", value_enum, hide_short_help = true)]
     shadow: Option<Shadow>,
-    /// Over it: borders,parameters,trims,net,combs,sections,continuity
+    /// Draw over it: borders,parameters,trims,net,combs,sections,continuity
     ///
     /// `continuity` shows shared edges by their class: A is green, B blue, C orange, undecided purple, none red; free ones are grey. All
     /// others are the lines of --lines, bands and silhouettes among them, as far as they are seen.
@@ -252,7 +252,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         let mut picture = Picture::average(&pictures)?;
         if !overlaid.is_empty() {
             let drawing = args.lines.drawing(&overlaid, &args.look, &seen_by)?;
-            picture = curves::drawn_over(&picture, &drawing, &camera, viewport)?;
+            let drawn = curves::drawn_over(&picture, &drawing, &camera, viewport)?;
+            // What leaves the model is there, too, where nothing is behind.
+            let is_drawn = picture.rgb().iter().zip(drawn.rgb()).map(|(before, after)| before != after);
+            seen.iter_mut().zip(is_drawn).filter(|(_, is_drawn)| *is_drawn).for_each(|(seen, _)| *seen = count as u32);
+            picture = drawn;
         }
         match painted {
             Some(path) if is_jpeg => output::write(path, &painter.with_legend(&picture).jpeg()?)?,

@@ -8,8 +8,8 @@ use scene::Viewport;
 
 /// Explain one pixel, stage by stage, in each renderer, or of a saved G-buffer
 ///
-/// pixel B.npz X,Y tells what the file holds there, what the ray through the pixel's centre meets, the verdict and its cause. The
-/// file brings its camera and size; its model is the built-in one that it names, or --model.
+/// pixel B.npz X,Y tells of a saved G-buffer what it holds there. It tells what the ray through the pixel's centre meets, and the
+/// verdict with its cause. The file brings its camera and size. Its model is the built-in one that it names, or --model.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
