@@ -4,7 +4,8 @@
 //! A [`Family`] says which lines. `equation` makes each the zeros of a polynomial on a Bézier patch, and `trace` finds them as chords
 //! that are proven to be within [`TOLERANCE`] of their line in the picture, none left out; `border` does so for where faces end.
 //! Chords are cut where a face has no material, `join`ed, and cut again where something hides them (`cut`): both are asked of an
-//! [`Eye`]. What leaves the surface is a [`Wire`]: the control [`net()`], and curvature [`combs()`] along borders and sections. [`svg()`] writes what the picture shows, [`dxf()`] the same lines in space.
+//! [`Eye`]. What leaves the surface is a [`Wire`]: the control [`net()`], and curvature [`combs()`] along borders and sections.
+//! [`svg()`] writes what the picture shows, [`dxf()`] the same lines in space.
 //!
 //! # Examples
 //! ```
