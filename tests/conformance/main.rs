@@ -20,6 +20,7 @@ mod samples;
 mod seams;
 mod snapping;
 mod three_way;
+mod toolchain;
 mod trim_texture;
 mod trims;
 mod vacuity;

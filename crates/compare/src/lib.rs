@@ -4,6 +4,35 @@
 //! *evaluation* at the candidate's own (u, v) within the interval that `pipeline::enclosure` proves for that point;
 //! *geometry* across the ray in pixels within a stated [`Deviation`]; *visibility* and *coverage* by asking the
 //! reference renderer what it sees nearby. There is no tuned epsilon and no mean.
+//!
+//! # Examples
+//! ```
+//! use compare::{Deviation, Judge, Sampler, Verdict};
+//! use gbuffer::{GBuffer, Hit, Meta};
+//! use pipeline::{PackedScene, Scheme};
+//! use scene::{Camera, Viewport};
+//!
+//! /// A renderer that sees nothing anywhere.
+//! struct Blind;
+//!
+//! impl Sampler for Blind {
+//!     fn first(&self, _: f64, _: f64) -> Option<Hit> {
+//!         None
+//!     }
+//! }
+//!
+//! let teapot = models::builtin("teapot").expect("it is built in");
+//! let viewport = Viewport::new(4, 4)?;
+//! let camera = Camera::framing(&teapot, viewport);
+//! let scene = PackedScene::new(&teapot, Scheme::General)?;
+//! let empty = |name: &str| {
+//!     GBuffer::from_rows(viewport, Meta::new(name, "exact", &teapot, &camera), vec![vec![None; 4]; 4])
+//! };
+//! let judge = Judge::new(&teapot, &camera, viewport, &scene);
+//! let report = judge.pair(&empty("a"), &Blind, &empty("b"), &Deviation::exact(), false, &|_| ())?;
+//! assert_eq!(report.verdict, Verdict::NoVerdict, "where nothing was compared nothing agrees");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod attribution;
 mod cause;

@@ -8,6 +8,15 @@
 //! From the bottom: `taylor` (functions with a proof), `net` (surfaces and curves evaluated at them), `border` (a face's border as
 //! pieces of one polynomial each), `tube` (which places correspond), `measure` (gap, angle, curvature), `certify` (branch and
 //! bound). `docs/continuity.md` says what is proven and what is not.
+//!
+//! # Examples
+//! ```
+//! use continuity::{Class, Settings, report};
+//!
+//! let teapot = models::builtin("teapot").expect("it is built in");
+//! let found = report(&teapot, Settings::new(Class::C.limits(), &teapot));
+//! assert!(!found.edges.is_empty(), "its patches share borders");
+//! ```
 
 mod border;
 mod borders;

@@ -2,6 +2,16 @@
 //!
 //! What is read is not trusted: only regular files up to a limit, since a pipe or a device may never end. What is written
 //! replaces a file whole or not at all: a full disk, an error or a kill in the middle leaves the old file as it was.
+//!
+//! # Examples
+//! ```
+//! let path = std::env::temp_dir().join(format!("isophote-example-{}", std::process::id()));
+//! files::write_bytes(&path, b"whole or not at all")?;
+//! assert_eq!(files::read(&path, 100).expect("it is small"), b"whole or not at all");
+//! assert!(files::read(&path, 5).is_err(), "larger than is allowed");
+//! std::fs::remove_file(&path)?;
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 use std::fmt;
 use std::fs::{self, File, OpenOptions, TryLockError};

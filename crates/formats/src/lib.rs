@@ -4,6 +4,15 @@
 //! [`Document`] out, which is a checked [`scene::Model`] and what is to be known of how it was read. Input is not trusted:
 //! whatever the bytes, the answer is a document or a [`FormatError`] that names the file, the place and the cause; memory
 //! stays within a constant times the size of the file, which is at most [`MAX_FILE_BYTES`].
+//!
+//! # Examples
+//! ```
+//! let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/models/teapot.json");
+//! let document = formats::open(file)?;
+//! assert_eq!(document.model.faces().len(), 32);
+//! assert!(formats::open("no-such-file.step").is_err_and(|error| error.to_string().contains("no-such-file.step")));
+//! # Ok::<(), formats::FormatError>(())
+//! ```
 
 pub mod bpt;
 mod brep;

@@ -5,6 +5,25 @@
 //! WGSL twin is `shaders/shade.wgsl`; along trim edges they are blended ([`GBuffer::resolved`]) where a renderer was asked for
 //! them; the numbers themselves go to an OpenEXR file ([`GBuffer::write_exr`]); a [`Picture`] goes to a PNG file. A [`Quantity`], and any number a pixel, is drawn by a [`Scale`] ([`GBuffer::plotted`]), highlight lines by
 //! [`GBuffer::highlighted`].
+//!
+//! # Examples
+//! ```
+//! use gbuffer::{GBuffer, Meta};
+//! use glam::DVec3;
+//! use nurbs::{KnotVector, Surface};
+//! use scene::{Camera, Model, Viewport};
+//!
+//! let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0])?;
+//! let points = vec![DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X + DVec3::Y];
+//! let model = Model::of_surfaces("square", vec![Surface::new(knots.clone(), knots, points, None)?])?;
+//! let viewport = Viewport::new(4, 3)?;
+//! let meta = Meta::new("mine", "exact", &model, &Camera::framing(&model, viewport));
+//! // A renderer gives rows of hits; this one sees nothing.
+//! let buffer = GBuffer::from_rows(viewport, meta, vec![vec![None; 4]; 3]);
+//! assert_eq!(buffer.covered(), 0);
+//! assert!(buffer.npz_bytes()?.starts_with(b"PK"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod bits;
 mod buffer;

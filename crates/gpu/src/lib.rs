@@ -4,6 +4,16 @@
 //! ([`Drawable`]). It returns a `GBuffer`, the raw [`Fragment`](pipeline::fragment::Fragment)s, or a picture shaded on the device;
 //! [`probe()`] runs the program at given parameters without a picture. Nothing in wgpu's reach panics: refusals, shader
 //! errors, exhausted memory and lost devices come back as [`GpuError`].
+//!
+//! # Examples
+//! ```
+//! match gpu::Device::open(None) {
+//!     Ok(device) => println!("draws on {}", device.info().name),
+//!     // Where there is no adapter the error says what to install.
+//!     Err(error) => println!("{error}"),
+//! }
+//! assert!(gpu::Device::open(Some("no adapter of this name")).is_err());
+//! ```
 
 mod buffers;
 pub mod capsule;

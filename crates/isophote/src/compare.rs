@@ -16,7 +16,7 @@ mod verdict;
 mod versions;
 
 pub use args::{CompareArgs, DrawingArgs, Shade};
-pub use saved::{Saved, SavedComparison, SavedFile};
+pub use saved::{Saved, SavedComparison, SavedFile, SavedPixel};
 
 use crate::format::Format;
 use crate::output;

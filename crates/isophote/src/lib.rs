@@ -2,11 +2,21 @@
 //!
 //! A library, so that `cargo xtask` offers the same commands, and the conformance tests drive the same [`stage`] as a user
 //! does.
+//!
+//! # Examples
+//! ```
+//! use clap::Parser;
+//! use isophote::commands::Cli;
+//!
+//! assert!(Cli::try_parse_from(["isophote", "compare", "teapot", "--no-gpu"]).is_ok());
+//! assert!(Cli::try_parse_from(["isophote", "compare", "teapot", "--no-cpu"]).is_err());
+//! ```
 
 pub mod adapters;
 pub mod angles;
 pub mod antialias;
 pub mod approximate;
+pub mod brush;
 pub mod capsule;
 pub mod commands;
 pub mod compare;
@@ -15,6 +25,7 @@ pub mod conform;
 pub mod continuity;
 pub mod convert;
 pub mod cost;
+pub mod curves;
 pub mod entry;
 pub mod eval;
 pub mod format;
@@ -31,6 +42,7 @@ pub mod overlay;
 pub mod pixel;
 pub mod render;
 pub mod scene;
+pub mod shadow;
 pub mod sight;
 pub mod study;
 pub mod technique;

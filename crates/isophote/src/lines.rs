@@ -7,7 +7,7 @@ use crate::{number, output};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
-use lines::{Drawing, Family, draw, dxf, svg};
+use lines::{Drawing, Family, combs, draw, dxf, net, svg};
 use scene::{Camera, Model, Viewport};
 use std::path::Path;
 
@@ -18,20 +18,24 @@ const PRINTED_NOTES: usize = 10;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
 pub struct LineArgs {
-    /// bands,silhouettes,borders (the default),sections,parameters
+    /// bands,silhouettes,borders (the default),sections,net and more
     ///
+    /// The kinds are bands, silhouettes, borders, sections, parameters, trims, net and combs.
     /// Bands are the borders of isophote bands or of zebra stripes, and the middles of highlight lines, as --shade says. Silhouettes
     /// are where the surface turns away, borders where faces end, trim loops too. Sections are drawn where --section is given.
-    /// Parameters are lines of equal u and of equal v (--parameters).
+    /// Parameters are lines of equal u and of equal v (--parameters). Trims are the loops of trimmed faces alone. The net is of
+    /// control points. Combs show the curvature of sections, or of borders where there is no --section; the net and combs hide
+    /// nothing and are not hidden.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "KIND,…", hide_possible_values = true)]
     lines: Vec<LineKind>,
     /// A plane that cuts, as z=1.5 or NX,NY,NZ:DISTANCE
     ///
-    /// It may be given several times. The distance is from the origin along the normal.
+    /// It may be given several times. The distance is from the origin along the normal. A picture shows it with --overlay sections or
+    /// combs.
     #[arg(long, value_name = "PLANE", value_parser = plane, allow_hyphen_values = true)]
     section: Vec<Plane>,
     /// Lines of equal u, and as many of equal v, on each face [default: 9]
-    #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, alias = "isoparams", hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     parameters: Option<u32>,
     /// Draw what is hidden, too: dashed
     ///
@@ -42,7 +46,7 @@ pub struct LineArgs {
 
 /// A kind of lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum LineKind {
+pub enum LineKind {
     /// What --shade is of: borders of isophote bands or stripes, middles of highlights
     Bands,
     /// Where the surface turns away
@@ -52,7 +56,27 @@ enum LineKind {
     /// Where the planes of --section cut
     Sections,
     /// Lines of equal u and of equal v
+    #[value(alias = "isoparams")]
     Parameters,
+    /// The loops of trimmed faces
+    Trims,
+    /// Rows and columns of control points
+    Net,
+    /// Curvature of sections, or of borders, as teeth
+    Combs,
+}
+
+/// A model, and who looks.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Who looks.
+    pub camera: &'a Camera,
+    /// At how many pixels.
+    pub viewport: Viewport,
+    /// What the model's unit of length is called.
+    pub unit: &'a str,
 }
 
 /// n · P = distance.
@@ -92,64 +116,65 @@ impl LineArgs {
     ///
     /// # Errors
     /// Which option, and what it goes with.
-    pub fn check(&self, kind: Option<&str>, look: &LookArgs) -> Result<()> {
+    pub fn check(&self, kind: Option<&str>, look: &LookArgs, overlaid: &[LineKind]) -> Result<()> {
         let Some(ending) = kind.filter(|kind| ENDINGS.contains(kind)) else {
-            let given = [
-                (!self.lines.is_empty(), "--lines"),
-                (!self.section.is_empty(), "--section"),
-                (self.parameters.is_some(), "--parameters"),
-                (self.hidden, "--hidden"),
-            ];
-            return match given.iter().find(|(is_given, _)| *is_given) {
-                Some((_, option)) => bail!("{option} goes with --out X.svg or --out X.dxf"),
-                None => Ok(()),
-            };
+            let given = [(!self.lines.is_empty(), "--lines"), (self.hidden, "--hidden")];
+            if let Some((_, option)) = given.iter().find(|(is_given, _)| *is_given) {
+                bail!("{option} goes with --out X.svg or --out X.dxf");
+            }
+            return self.check_planes(overlaid, "--overlay");
         };
         if let Some(option) = look.given_of_pictures() {
             bail!("{option} goes with a picture, and .{ending} holds lines");
         }
-        if self.lines.contains(&LineKind::Sections) && self.section.is_empty() {
-            bail!("--lines sections goes with --section PLANE");
+        self.check_planes(&self.kinds(look), "--lines")
+    }
+
+    /// Planes and numbers of lines go with what is made of them; `option` names the kinds.
+    fn check_planes(&self, kinds: &[LineKind], option: &str) -> Result<()> {
+        let draws = |kind| kinds.contains(&kind);
+        if draws(LineKind::Sections) && self.section.is_empty() {
+            bail!("{option} sections goes with --section PLANE");
         }
-        if !self.section.is_empty() && !self.draws(LineKind::Sections) {
-            bail!("--section goes with --lines sections");
+        if !self.section.is_empty() && !draws(LineKind::Sections) && !draws(LineKind::Combs) {
+            bail!("--section goes with {option} sections, or with {option} combs");
         }
-        if self.parameters.is_some() && !self.draws(LineKind::Parameters) {
-            bail!("--parameters goes with --lines parameters");
+        if self.parameters.is_some() && !draws(LineKind::Parameters) {
+            bail!("--parameters goes with {option} parameters");
         }
         Ok(())
     }
 
-    fn draws(&self, kind: LineKind) -> bool {
-        let by_default = match kind {
-            LineKind::Bands | LineKind::Silhouettes | LineKind::Borders => true,
-            LineKind::Sections => !self.section.is_empty(),
-            LineKind::Parameters => false,
-        };
-        self.lines.contains(&kind) || self.lines.is_empty() && by_default
+    /// The kinds of lines of a file.
+    fn kinds(&self, look: &LookArgs) -> Vec<LineKind> {
+        if !self.lines.is_empty() {
+            return self.lines.clone();
+        }
+        let bands = look.is_banded().then_some(LineKind::Bands);
+        let sections = (!self.section.is_empty()).then_some(LineKind::Sections);
+        [LineKind::Silhouettes, LineKind::Borders].into_iter().chain(bands).chain(sections).collect()
     }
 
     /// What is drawn, from what is below to what is on top.
-    fn families(&self, look: &LookArgs, model: &Model, camera: &Camera) -> Result<Vec<Family>> {
+    fn families(&self, kinds: &[LineKind], look: &LookArgs, model: &Model, camera: &Camera) -> Result<Vec<Family>> {
+        let draws = |kind| kinds.contains(&kind);
         let mut families = vec![];
-        if self.draws(LineKind::Parameters) {
+        if draws(LineKind::Parameters) {
             let count = self.parameters.unwrap_or(9);
             let shares = || (1..=count).map(|k| f64::from(k) / f64::from(count + 1)).collect();
             families.extend([0, 1].map(|axis| Family::Parameters { axis, shares: shares() }));
         }
-        if self.draws(LineKind::Bands) {
+        if draws(LineKind::Bands) {
             match look.lines(model, camera)? {
                 Some(family) => families.push(family),
-                None if self.lines.contains(&LineKind::Bands) => {
-                    bail!("--lines bands goes with --shade isophotes, zebra or highlight")
-                }
-                None => {}
+                None => bail!("lines of bands go with --shade isophotes, zebra or highlight"),
             }
         }
-        let planes = self.section.iter().filter(|_| self.draws(LineKind::Sections));
-        families.extend(planes.map(|plane| Family::Sections { normal: plane.normal, distances: vec![plane.distance] }));
-        families.extend(self.draws(LineKind::Borders).then_some(Family::Borders));
-        families.extend(self.draws(LineKind::Silhouettes).then_some(Family::Silhouettes));
+        let section = |plane: &Plane| Family::Sections { normal: plane.normal, distances: vec![plane.distance] };
+        families.extend(self.section.iter().map(section));
+        families.extend(draws(LineKind::Borders).then_some(Family::Borders));
+        families.extend(draws(LineKind::Trims).then_some(Family::Trims));
+        families.extend(draws(LineKind::Silhouettes).then_some(Family::Silhouettes));
         Ok(families)
     }
 
@@ -157,16 +182,50 @@ impl LineArgs {
     ///
     /// # Errors
     /// Where the shading has no lines, or the file cannot be written.
-    pub fn write(
-        &self,
-        path: &Path,
-        kind: &str,
-        look: &LookArgs,
-        model: &Model,
-        camera: &Camera,
-        viewport: Viewport,
-    ) -> Result<()> {
-        let drawing = self.drawing(look, model, camera, viewport)?;
+    pub fn write(&self, path: &Path, kind: &str, look: &LookArgs, seen: &Seen) -> Result<()> {
+        let Seen { model, camera, viewport, .. } = *seen;
+        let drawing = self.drawing(&self.kinds(look), look, seen)?;
+        if drawing.wires.is_empty() && !drawing.lines.iter().any(|line| line.is_seen || self.hidden) {
+            terminal::note(format_args!("note: none of these lines is seen"));
+        }
+        let text = match kind {
+            "dxf" => dxf(&drawing, self.hidden),
+            _ => svg(&drawing, camera, viewport, model.name(), self.hidden),
+        };
+        output::write(path, text.as_bytes())
+    }
+
+    /// Lines of some kinds, each cut where something hides it. What is lost is told on standard error.
+    ///
+    /// # Errors
+    /// Where the shading has no lines.
+    pub fn drawing(&self, kinds: &[LineKind], look: &LookArgs, seen: &Seen) -> Result<Drawing> {
+        let Seen { model, camera, viewport, unit } = *seen;
+        let families = self.families(kinds, look, model, camera)?;
+        let sight = Sight::new(model, *camera, viewport);
+        let mut drawing = draw(model, camera, viewport, &families, &sight);
+        if kinds.contains(&LineKind::Net) {
+            drawing.wires.extend(net(model));
+        }
+        if kinds.contains(&LineKind::Combs) {
+            let has_borders = kinds.contains(&LineKind::Borders) || kinds.contains(&LineKind::Trims);
+            let on_borders = self.section.is_empty() || has_borders;
+            let combs = combs(model, camera, viewport, &drawing, on_borders, &sight);
+            match combs.curvature {
+                None => terminal::note(format_args!("note: combs: no line that is seen is curved")),
+                Some(usual) => {
+                    let cut = match combs.cut {
+                        0 => String::new(),
+                        cut => format!("; {cut} teeth, of tighter rounds, are cut"),
+                    };
+                    let (pixels, usual) = (combs.pixels.round(), significant(usual));
+                    terminal::note(format_args!(
+                        "note: combs: {pixels} pixels are a curvature of {usual} / {unit}{cut}"
+                    ));
+                }
+            }
+            drawing.wires.extend(combs.wires());
+        }
         for lost in drawing.unfinished.iter().take(PRINTED_NOTES) {
             let family = &drawing.families[lost.family];
             terminal::note(format_args!(
@@ -181,20 +240,14 @@ impl LineArgs {
             let more = drawing.unfinished.len() - PRINTED_NOTES;
             terminal::note(format_args!("warning: and {more} more"));
         }
-        if !drawing.lines.iter().any(|line| line.is_seen || self.hidden) {
-            terminal::note(format_args!("note: none of these lines is seen"));
-        }
-        let text = match kind {
-            "dxf" => dxf(&drawing, self.hidden),
-            _ => svg(&drawing, camera, viewport, model.name(), self.hidden),
-        };
-        output::write(path, text.as_bytes())
+        Ok(drawing)
     }
+}
 
-    fn drawing(&self, look: &LookArgs, model: &Model, camera: &Camera, viewport: Viewport) -> Result<Drawing> {
-        let families = self.families(look, model, camera)?;
-        Ok(draw(model, camera, viewport, &families, &Sight::new(model, *camera, viewport)))
-    }
+/// Three digits.
+fn significant(x: f64) -> String {
+    let digits = (2 - x.abs().log10().floor() as i32).clamp(0, 12) as usize;
+    format!("{x:.digits$}")
 }
 
 #[cfg(test)]

@@ -1,10 +1,21 @@
 //! What a picture shows, and how: shading, maps of numbers, highlight lines, and what is behind the model.
 //!
-//! `panel` has the same options as the controls of a window, `words` says which command line asks for them.
+//! `panel` has the same options as the controls of a window, `words` says which command line asks for them. What a surface mirrors is
+//! an `environment` or a `pattern` (`mirror`); `lights` are those of a body for which no light is given.
 
+mod environment;
+mod lights;
+mod mirror;
 mod panel;
+mod pattern;
 mod words;
 
+pub use environment::Environment;
+pub use pattern::Pattern;
+
+use self::lights::lit;
+use self::mirror::mirrored;
+use self::pattern::Placed;
 use crate::number;
 use crate::versions::{Measured, Nearest};
 use crate::view::ModelArgs;
@@ -14,6 +25,7 @@ use gbuffer::{GBuffer, Lamps, Picture, Quantity, Scale, ShadeKind, Shading, back
 use glam::DVec3;
 use lines::Family;
 use scene::{Camera, Model};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Stripes of a zebra, and lamps of highlight lines, unless told.
@@ -38,7 +50,15 @@ pub struct LookArgs {
     /// Turn stripes or lamps from upright in the picture, counterclockwise, degrees
     #[arg(long, hide_short_help = true, value_name = "DEG", value_parser = number::finite, allow_hyphen_values = true)]
     stripe_direction: Option<f64>,
-    /// Toward the light: right, up, to the viewer [default: -0.5 0.6 1]
+    /// What a zebra mirrors [default: stripes]
+    #[arg(long, hide_short_help = true, value_enum)]
+    pattern: Option<Pattern>,
+    /// What is around the model, for `reflection`: a panorama (.png, .jpg) [default: a studio]
+    ///
+    /// It holds all directions and is twice as wide as high: +y in the middle, +z on top.
+    #[arg(long, hide_short_help = true, value_name = "FILE")]
+    environment: Option<PathBuf>,
+    /// Toward the light: right, up, to the viewer [default: -0.5 0.6 1, and for phong three lights]
     #[arg(long, hide_short_help = true, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = number::finite, allow_hyphen_values = true)]
     light: Option<Vec<f64>>,
     /// The direction that a mould is pulled in, for `draft` [default: 0 0 1]
@@ -64,12 +84,14 @@ pub struct LookArgs {
 /// What a picture shows, by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Look {
-    /// A lit, slightly shiny body
+    /// A lit, slightly shiny body: in three lights, or in that of --light
     Phong,
     /// Bands of equal angle between normal and light
     Isophotes,
     /// Reflection lines
     Zebra,
+    /// A mirror: a studio of light strips, or the panorama of --environment
+    Reflection,
     /// Highlight lines: where normals meet lamps above the surface (Beier & Chen 1994)
     Highlight,
     /// The normal's components as colours
@@ -138,6 +160,18 @@ enum Kind {
     Plotted(Quantity, Scale),
     Highlighted(Lamps),
     Deviating(Arc<Nearest>, Scale),
+    /// In three lights.
+    Lit,
+    Mirroring(Arc<Environment>),
+    Patterned(Shading, Pattern),
+}
+
+/// What is read before anything is drawn.
+#[derive(Clone)]
+pub struct Opened {
+    /// The version that deviations are measured to, made ready.
+    other: Option<Arc<Nearest>>,
+    around: Arc<Environment>,
 }
 
 /// Paints G-buffers of one view.
@@ -163,6 +197,8 @@ impl LookArgs {
             (self.bands.is_some(), is(&[Look::Isophotes]), "--bands", "isophotes"),
             (self.stripes.is_some(), striped, "--stripes", "zebra or highlight"),
             (self.stripe_direction.is_some(), striped, "--stripe-direction", "zebra or highlight"),
+            (self.pattern.is_some(), is(&[Look::Zebra]), "--pattern", "zebra"),
+            (self.environment.is_some(), is(&[Look::Reflection]), "--environment", "reflection"),
             (self.light.is_some(), lit, "--light", "phong, isophotes or highlight"),
             (self.pull.is_some(), is(&[Look::Draft]), "--pull", "draft"),
             (self.range.is_some(), mapped, "--range", "gaussian, mean, min-radius, max-radius, draft or deviation"),
@@ -186,9 +222,21 @@ impl LookArgs {
 
     /// The shading that a GPU has a program for; `None` where the picture is made of a G-buffer.
     pub fn shaded(&self) -> Option<Shading> {
-        let is_plain = !self.is_mapped() && self.shade != Look::Highlight;
+        let is_in_three_lights = self.goes(&[Look::Phong]) && self.light.is_none();
+        let is_made = self.goes(&[Look::Highlight, Look::Reflection]) || self.is_patterned() || is_in_three_lights;
+        let is_plain = !self.is_mapped() && !is_made;
         let has_ground = matches!(self.background, Some(Behind::Colour(_)));
         self.shading().ok().filter(|_| is_plain && !has_ground)
+    }
+
+    /// Whether what is shown has bands, or lines, that can be drawn as curves.
+    pub fn is_banded(&self) -> bool {
+        self.goes(&[Look::Isophotes, Look::Zebra, Look::Highlight]) && !self.is_patterned()
+    }
+
+    /// Whether a zebra has another pattern than stripes.
+    fn is_patterned(&self) -> bool {
+        self.goes(&[Look::Zebra]) && !matches!(self.pattern, None | Some(Pattern::Stripes))
     }
 
     /// Whether a light can be given.
@@ -209,6 +257,8 @@ impl LookArgs {
             bands: look.bands.filter(|_| look.goes(&[Look::Isophotes])),
             stripes: look.stripes.filter(|_| look.is_striped()),
             stripe_direction: look.stripe_direction.filter(|_| look.is_striped()),
+            pattern: look.pattern.filter(|_| look.goes(&[Look::Zebra])),
+            environment: look.environment.clone().filter(|_| look.goes(&[Look::Reflection])),
             light: look.light.clone().filter(|_| look.is_lit()),
             pull: look.pull.clone().filter(|_| look.goes(&[Look::Draft])),
             against: look.against.clone().filter(|_| look.goes(&[Look::Deviation])),
@@ -237,22 +287,24 @@ impl LookArgs {
         self.quantity().is_some() || self.is_measured()
     }
 
-    /// The version that deviations are measured to, made ready; `None` where none are drawn.
+    /// Reads the other version and the panorama, as far as they are drawn.
     ///
     /// # Errors
-    /// Where it cannot be opened.
-    pub fn other_version(&self) -> Result<Option<Arc<Nearest>>> {
+    /// Where one cannot be opened.
+    pub fn opened(&self) -> Result<Opened> {
         let name = self.against.as_deref().filter(|_| self.is_measured());
-        name.map(|name| Ok(Arc::new(Nearest::new(ModelArgs::named(name).open()?)))).transpose()
+        let other = name.map(|name| anyhow::Ok(Arc::new(Nearest::new(ModelArgs::named(name).open()?)))).transpose()?;
+        let around = self.environment.as_deref().map_or(Ok(Environment::Studio), Environment::open)?;
+        Ok(Opened { other, around: Arc::new(around) })
     }
 
-    /// How a view is painted of which `first` is seen; `length` names the model's unit, and `other` is [`Self::other_version`].
-    pub fn painter(&self, first: &GBuffer, length: &str, other: Option<&Arc<Nearest>>) -> Painter {
+    /// How a view is painted of which `first` is seen; `length` names the model's unit, and `opened` is [`Self::opened`].
+    pub fn painter(&self, first: &GBuffer, length: &str, opened: &Opened) -> Painter {
         let given = match self.range {
             Some(Range::Given(range)) => Some(range),
             Some(Range::Auto) | None => None,
         };
-        let kind = match (self.quantity(), other.filter(|_| self.is_measured()), self.shade) {
+        let kind = match (self.quantity(), opened.other.as_ref().filter(|_| self.is_measured()), self.shade) {
             (Some(quantity), ..) => {
                 Kind::Plotted(quantity, given.map_or_else(|| quantity.scale(first), |range| quantity.scaled(range)))
             }
@@ -260,6 +312,16 @@ impl LookArgs {
                 let found = || Measured::new(first, other, &|_| {}).deviations().into_iter().flatten();
                 let scale = |range| Scale { range, is_signed: true };
                 Kind::Deviating(other.clone(), given.map_or_else(|| Scale::of(found(), true), scale))
+            }
+            (None, None, Look::Phong) if self.light.is_none() => Kind::Lit,
+            (None, None, Look::Reflection) => {
+                // A window may show a reflection after the file's was left: then it is the studio's again.
+                let around = self.environment.as_ref().map(|_| opened.around.clone());
+                Kind::Mirroring(around.unwrap_or_else(|| Arc::new(Environment::Studio)))
+            }
+            (None, None, Look::Zebra) if self.is_patterned() => {
+                let shading = self.shading().expect("`check` has looked at it");
+                Kind::Patterned(shading, self.pattern.unwrap_or(Pattern::Stripes))
             }
             (None, None, Look::Highlight) => Kind::Highlighted(self.lamps()),
             (None, None, _) => Kind::Shaded(self.shading().expect("`check` has looked at it")),
@@ -277,6 +339,7 @@ impl LookArgs {
                 let shading = self.shading()?;
                 Some(Family::Isophotes { light: shading.light(camera), degrees: shading.band_borders() })
             }
+            Look::Zebra if self.is_patterned() => None,
             Look::Zebra => {
                 let shading = self.shading()?;
                 Some(Family::Reflections { axis: shading.stripe_axis(camera), components: shading.stripe_borders() })
@@ -355,6 +418,14 @@ impl Painter {
                 buffer.coloured(&Measured::new(buffer, other, &|_| {}).deviations(), *scale)
             }
             Kind::Highlighted(lamps) => buffer.highlighted(lamps, model, camera)?,
+            Kind::Lit => lit(buffer, camera)?,
+            Kind::Mirroring(around) => mirrored(buffer, camera, |toward| around.colour(toward))?,
+            Kind::Patterned(shading, pattern) => {
+                let across = shading.stripe_axis(camera);
+                let axes = [across, across.cross(camera.forward()).normalize_or_zero()];
+                let placed = Placed { pattern: *pattern, axes, count: shading.stripe_borders().len() as f64 + 1.0 };
+                mirrored(buffer, camera, |toward| placed.colour(toward))?
+            }
         };
         Ok(match self.behind {
             Some(Behind::Colour(colour)) => picture.recoloured(colour, |x, y| buffer.get(x, y).is_none()),
@@ -369,7 +440,7 @@ impl Painter {
             Kind::Shaded(shading) => shading.legend(height),
             Kind::Plotted(quantity, scale) => Some(scale.legend(&quantity.unit(&self.length), height)),
             Kind::Deviating(_, scale) => Some(scale.legend(&self.length, height)),
-            Kind::Highlighted(_) => None,
+            Kind::Highlighted(_) | Kind::Lit | Kind::Mirroring(_) | Kind::Patterned(..) => None,
         }
     }
 
@@ -377,7 +448,7 @@ impl Painter {
     pub fn range(&self) -> Option<[f64; 2]> {
         match &self.kind {
             Kind::Plotted(_, scale) | Kind::Deviating(_, scale) => Some(scale.range),
-            Kind::Shaded(_) | Kind::Highlighted(_) => None,
+            _ => None,
         }
     }
 

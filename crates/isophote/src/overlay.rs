@@ -4,6 +4,7 @@
 //! the edge's own faces, or nothing, at its depth, something is in front. Lines have a light border, so that they stand out from
 //! stripes. The worst class is drawn last.
 
+use crate::brush::{Brush, STEP};
 use anyhow::Result;
 use continuity::{Class, EdgeReport, Named, Report, Verdict};
 use gbuffer::{GBuffer, Picture};
@@ -16,9 +17,6 @@ const BORDER: f64 = 2.0;
 
 /// How much of what is below its border covers.
 const BORDER_STRENGTH: f64 = 0.75;
-
-/// The step along a line, pixels: far less than its width.
-const STEP: f64 = 0.4;
 
 /// The most steps along one chord: those of a close-up are mostly outside.
 const MOST_STEPS: f64 = 1e4;
@@ -119,23 +117,23 @@ impl Overlay {
     /// # Errors
     /// None where the picture is of the buffer's size.
     pub fn drawn(&self, picture: &Picture, buffer: &GBuffer, camera: &Camera) -> Result<Picture> {
-        let mut sheet = Sheet { buffer, camera, viewport: buffer.viewport(), rgb: picture.rgb().to_vec() };
+        let sheet = Sheet { buffer, camera, viewport: buffer.viewport() };
+        let mut brush = Brush::new(picture);
         for mark in Mark::ALL {
             let lines = || self.lines.iter().filter(|line| line.mark == mark);
             let seen: Vec<DVec2> = lines().flat_map(|line| sheet.seen(line)).collect();
-            sheet.draw(&seen, BORDER, [255, 255, 255], BORDER_STRENGTH);
-            sheet.draw(&seen, LINE, mark.colour(), 1.0);
+            brush.draw(&seen, BORDER, [255, 255, 255], BORDER_STRENGTH);
+            brush.draw(&seen, LINE, mark.colour(), 1.0);
         }
-        Ok(Picture::new(picture.width(), picture.height(), sheet.rgb)?)
+        brush.picture()
     }
 }
 
-/// A picture that is drawn on.
+/// What a line may be behind.
 struct Sheet<'a> {
     buffer: &'a GBuffer,
     camera: &'a Camera,
     viewport: Viewport,
-    rgb: Vec<[u8; 3]>,
 }
 
 impl Sheet<'_> {
@@ -181,30 +179,6 @@ impl Sheet<'_> {
         let (columns, rows) = (column - 1..=column + 1, row - 1..=row + 1);
         let around = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
         around.filter(|(x, y)| (0..width).contains(x) && (0..height).contains(y)).any(|(x, y)| is_open(x, y))
-    }
-
-    /// Draws a line through places, `radius` pixels to either side, in a colour that covers as much as `strength`.
-    fn draw(&mut self, places: &[DVec2], radius: f64, colour: [u8; 3], strength: f64) {
-        let [width, height] = [self.viewport.width() as i64, self.viewport.height() as i64];
-        let mut covered = vec![0.0f64; self.rgb.len()];
-        let reach = radius.ceil() as i64;
-        for place in places {
-            let (column, row) = (place.x.floor() as i64, place.y.floor() as i64);
-            for y in (row - reach).max(0)..=(row + reach).min(height - 1) {
-                for x in (column - reach).max(0)..=(column + reach).min(width - 1) {
-                    let distance = place.distance(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
-                    let share = (radius + 0.5 - distance).clamp(0.0, 1.0);
-                    let own = &mut covered[(y * width + x) as usize];
-                    *own = own.max(share);
-                }
-            }
-        }
-        for (rgb, share) in self.rgb.iter_mut().zip(covered) {
-            let share = strength * share;
-            for (own, part) in rgb.iter_mut().zip(colour) {
-                *own = (f64::from(*own) + share * (f64::from(part) - f64::from(*own))).round() as u8;
-            }
-        }
     }
 }
 

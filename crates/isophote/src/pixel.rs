@@ -1,16 +1,20 @@
-//! `pixel`: one pixel, stage by stage, in three columns.
+//! `pixel`: one pixel, stage by stage, in three columns; that of a saved G-buffer in words (`saved`).
 
-use crate::compare::DrawingArgs;
-use crate::view::{ModelArgs, ViewArgs};
+mod args;
+mod saved;
+
+pub use args::PixelArgs;
+
+use crate::view::ModelArgs;
 use crate::{say, terminal};
-use anyhow::{Context, Result, bail};
-use clap::Args;
+use anyhow::{Result, bail};
 use comfy_table::{ColumnConstraint, Width};
 use gbuffer::Hit;
 use glam::DVec3;
 use nurbs::{Direction, Normal};
 use pipeline::enclosure::{Enclosure, Enclosures, Interval};
 use raycast::Caster;
+use std::path::Path;
 use std::process::ExitCode;
 use suite::stage::{Rendered, Stage};
 
@@ -20,39 +24,21 @@ const WIDTHS: [u16; 4] = [10, 19, 19, 19];
 /// Blanks beside what a cell holds.
 const PADDING: u16 = 2;
 
-/// Explain one pixel, stage by stage, in each renderer
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Example:
-  isophote pixel teapot 120,80 --size 256x256")]
-pub struct PixelArgs {
-    /// A model file, or a built-in model's name (`isophote info --list`)
-    model: String,
-    /// Column and row, from the top left corner, from 0
-    #[arg(value_name = "X,Y")]
-    pixel: String,
-    #[command(flatten)]
-    view: ViewArgs,
-    #[command(flatten)]
-    drawing: DrawingArgs,
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// Where input is bad or the pixel is outside the picture.
 pub fn run(args: &PixelArgs) -> Result<ExitCode> {
+    if Path::new(&args.model).extension().is_some_and(|end| end.eq_ignore_ascii_case("npz")) {
+        return saved::run(args);
+    }
+    if args.of_model.is_some() {
+        bail!("--model names what a saved G-buffer (.npz) shows, and {:?} is not one", args.model);
+    }
     let model = ModelArgs::named(&args.model).open()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&model, viewport)?;
-    let (x, y): (usize, usize) = args
-        .pixel
-        .split_once(',')
-        .and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)))
-        .with_context(|| format!("{:?} is not X,Y, as in 120,80", args.pixel))?;
-    if x >= viewport.width() || y >= viewport.height() {
-        bail!("pixel ({x}, {y}) is outside the picture of {}x{}", viewport.width(), viewport.height());
-    }
+    let [x, y] = args.place(viewport)?;
     let stage = Stage::new(&model, camera, viewport, args.drawing.plan())?;
     let caster = Caster::new(&model);
     let rendered = stage.render(&caster, args.drawing.adapter.as_deref(), None);

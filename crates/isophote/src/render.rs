@@ -3,16 +3,19 @@
 use crate::antialias::Antialias;
 use crate::approximate::ApproximateArgs;
 use crate::compare::DrawingArgs;
-use crate::lines::{ENDINGS, LineArgs};
+use crate::curves;
+use crate::lines::{ENDINGS, LineArgs, LineKind, Seen};
 use crate::look::{LookArgs, Painter};
 use crate::masks::MaskReport;
 use crate::output;
 use crate::overlay::Overlay;
 use crate::say;
+use crate::shadow::Ground;
 use crate::terminal;
 use crate::view::{ModelArgs, ViewArgs};
 use crate::with::With;
 use anyhow::{Result, bail};
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use continuity::{Class, Settings, report};
 use formats::Document;
@@ -67,11 +70,24 @@ pub struct RenderArgs {
     /// that `compare` judges it by itself.
     #[arg(long, help_heading = "Output", value_name = "X.npz", allow_hyphen_values = true)]
     gbuffer: Option<PathBuf>,
-    /// Draw shared edges by their class
+    /// The shadow of the model on the ground below it [default: none]
     ///
-    /// A is green, B blue, C orange, undecided purple, none red; free ones are grey.
-    #[arg(long, help_heading = "Output", value_enum)]
-    overlay: Option<OverlayKind>,
+    /// The ground is the plane z = least of the model. On a dark background it is hardly seen: --background white.
+    #[arg(long, help_heading = "Shading", value_enum, hide_short_help = true)]
+    shadow: Option<Shadow>,
+    /// Draw over it: borders,parameters,trims,net,combs,sections,continuity
+    ///
+    /// `continuity` shows shared edges by their class: A is green, B blue, C orange, undecided purple, none red; free ones are grey. All
+    /// others are the lines of --lines, bands and silhouettes among them, as far as they are seen.
+    #[arg(
+        long,
+        help_heading = "Output",
+        value_enum,
+        value_delimiter = ',',
+        value_name = "KIND,…",
+        hide_possible_values = true
+    )]
+    overlay: Vec<Overlaid>,
 }
 
 /// The kinds of file that `--out` writes, by their endings.
@@ -80,7 +96,7 @@ const KINDS: [&str; 6] = ["png", "jpg", "jpeg", "exr", ENDINGS[0], ENDINGS[1]];
 impl RenderArgs {
     /// Options that say nothing of the numbers of an EXR file are refused.
     fn check_numbers(&self) -> Result<()> {
-        let of_pictures = self.look.given_of_pictures().or(self.overlay.map(|_| "--overlay"));
+        let of_pictures = self.look.given_of_pictures().or(self.overlay.first().map(|_| "--overlay"));
         match of_pictures.or((self.antialias != Antialias::None).then_some("--antialias")) {
             Some(option) => bail!("{option} goes with a picture, and .exr holds numbers"),
             None => Ok(()),
@@ -88,11 +104,51 @@ impl RenderArgs {
     }
 }
 
-/// What is drawn over a picture.
+/// Where a shadow falls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum OverlayKind {
+enum Shadow {
+    /// On the plane below the model
+    Ground,
+}
+
+/// What is drawn over a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Overlaid {
     /// What `continuity` says of the edges
     Continuity,
+    Lines(LineKind),
+}
+
+impl ValueEnum for Overlaid {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[
+            Self::Continuity,
+            Self::Lines(LineKind::Borders),
+            Self::Lines(LineKind::Parameters),
+            Self::Lines(LineKind::Trims),
+            Self::Lines(LineKind::Net),
+            Self::Lines(LineKind::Combs),
+            Self::Lines(LineKind::Sections),
+            Self::Lines(LineKind::Silhouettes),
+            Self::Lines(LineKind::Bands),
+        ]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self {
+            Self::Continuity => Some(PossibleValue::new("continuity").help("Shared edges by their class")),
+            Self::Lines(kind) => kind.to_possible_value(),
+        }
+    }
+}
+
+impl Overlaid {
+    fn of_lines(self) -> Option<LineKind> {
+        match self {
+            Self::Continuity => None,
+            Self::Lines(kind) => Some(kind),
+        }
+    }
 }
 
 /// Runs the command.
@@ -103,14 +159,18 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     // Before a large file is read for nothing.
     args.look.check()?;
     let kind = args.out.as_deref().map(|path| output::kind(path, &KINDS)).transpose()?;
-    args.lines.check(kind, &args.look)?;
+    let overlaid: Vec<LineKind> = args.overlay.iter().filter_map(|kind| kind.of_lines()).collect();
+    args.lines.check(kind, &args.look, &overlaid)?;
     let lines = args.out.as_deref().zip(kind.filter(|kind| ENDINGS.contains(kind)));
     let numbers = args.out.as_deref().filter(|_| kind == Some("exr"));
-    if lines.is_some() && (args.overlay.is_some() || args.antialias != Antialias::None) {
-        bail!("--overlay and --antialias go with a picture, and --out is one of lines");
+    if lines.is_some() && (!args.overlay.is_empty() || args.antialias != Antialias::None) {
+        bail!("--overlay and --antialias go with a picture, and --out is one of lines (--lines)");
     }
     if numbers.is_some() {
         args.check_numbers()?;
+    }
+    if args.shadow.is_some() && (lines.is_some() || numbers.is_some() || args.look.is_transparent()) {
+        bail!("--shadow goes with a picture that has a background");
     }
     let is_jpeg = matches!(kind, Some("jpg" | "jpeg"));
     if is_jpeg && args.look.is_transparent() {
@@ -126,7 +186,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         }
     }
     let Document { model: original, unit, .. } = args.model.document()?;
-    let other = args.look.other_version()?;
+    let opened = args.look.opened()?;
     let viewport = args.view.viewport()?;
     let camera = args.view.camera(&original, viewport)?;
     let drawn = args.approximate.drawn(&original, &camera, viewport)?;
@@ -134,8 +194,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if let Some(drawn) = &drawn {
         terminal::note(format_args!("{}", drawn.facts.line()));
     }
+    let length = unit.as_ref().map_or("unit", |unit| &unit.name);
+    let seen_by = Seen { model, camera: &camera, viewport, unit: length };
     if let Some((path, kind)) = lines {
-        args.lines.write(path, kind, &args.look, model, &camera, viewport)?;
+        args.lines.write(path, kind, &args.look, &seen_by)?;
         if args.gbuffer.is_none() {
             return Ok(());
         }
@@ -145,12 +207,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let painted = args.out.as_ref().filter(|_| lines.is_none() && numbers.is_none());
     let shows = painted.is_some() || (args.out.is_none() && args.gbuffer.is_none() && terminal::is_terminal());
     let bar = (count > 1).then(|| terminal::progress("samples", count));
-    let overlay = args.overlay.filter(|_| shows).map(|OverlayKind::Continuity| {
+    let by_class = shows && args.overlay.contains(&Overlaid::Continuity);
+    let overlay = by_class.then(|| {
         let millimetres = unit.as_ref().map_or(1.0, |unit| unit.millimetres);
         let limits = Class::A.limits().in_units_of(millimetres);
         Overlay::of(&report(&original, Settings { millimetres, ..Settings::new(limits, &original) }))
     });
-    let length = unit.as_ref().map_or("unit", |unit| &unit.name);
+    let ground = args.shadow.filter(|_| shows).map(|Shadow::Ground| Ground::new(model, &camera));
     let (mut covered, mut open, mut pictures, mut painter) = (0, 0, vec![], None::<Painter>);
     let mut seen = vec![0u32; viewport.pixels()];
     each_sample(args, model, camera, viewport, |camera, buffer| {
@@ -166,8 +229,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         open += buffer.undecided();
         if shows {
             // A range that is found is that of the first sample.
-            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length, other.as_ref()));
-            let picture = painter.painted(&buffer, model, camera)?;
+            let painter = painter.get_or_insert_with(|| args.look.painter(&buffer, length, &opened));
+            let mut picture = painter.painted(&buffer, model, camera)?;
+            if let Some(ground) = &ground {
+                picture = ground.shaded(&picture, &buffer, camera);
+            }
             seen.iter_mut().zip(buffer.pixels()).for_each(|(seen, hit)| *seen += u32::from(hit.is_some()));
             let picture = if buffer.has_edges() { buffer.resolved(&picture, camera)? } else { picture };
             pictures.push(match &overlay {
@@ -183,7 +249,15 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         terminal::note(format_args!("warning: {open} pixels have no answer: their searches did not converge"));
     }
     if let Some(painter) = painter {
-        let picture = Picture::average(&pictures)?;
+        let mut picture = Picture::average(&pictures)?;
+        if !overlaid.is_empty() {
+            let drawing = args.lines.drawing(&overlaid, &args.look, &seen_by)?;
+            let drawn = curves::drawn_over(&picture, &drawing, &camera, viewport)?;
+            // What leaves the model is there, too, where nothing is behind.
+            let is_drawn = picture.rgb().iter().zip(drawn.rgb()).map(|(before, after)| before != after);
+            seen.iter_mut().zip(is_drawn).filter(|(_, is_drawn)| *is_drawn).for_each(|(seen, _)| *seen = count as u32);
+            picture = drawn;
+        }
         match painted {
             Some(path) if is_jpeg => output::write(path, &painter.with_legend(&picture).jpeg()?)?,
             Some(path) => output::write(path, &painter.png(&picture, &seen, count)?)?,

@@ -46,6 +46,12 @@ pub fn line(words: impl IntoIterator<Item = String>) -> String {
     words.into_iter().map(quoted).collect::<Vec<_>>().join(" ")
 }
 
+/// The command line of this very run, as a shell takes it.
+pub fn again() -> String {
+    let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    line(std::iter::once("isophote".to_owned()).chain(arguments))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -201,6 +201,37 @@ fn a_saved_gbuffer_is_judged_with_the_same_report_pictures_and_exit_codes() {
     assert!(table.contains("numpy-example") && table.contains("DIFFER") && table.contains("interpolation"), "{table}");
 }
 
+/// A pixel that agrees, and the same with its neighbour's values, of which a ray says the cause.
+#[test]
+fn a_pixel_of_a_saved_gbuffer_is_told_in_words() {
+    let path = |name: &str| Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let told = |path: &Path, pixel: &str| {
+        let output = isophote(&["pixel", path.to_str().expect("UTF-8"), pixel]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let good = path("pixel-good.npz");
+    let drawn = ["render", "teapot", "--size", "48x48", "--gbuffer", good.to_str().expect("UTF-8")];
+    assert!(isophote(&drawn).status.success());
+    let said = told(&good, "24,24");
+    for words in ["pixel (24, 24) of 48x48", "raster, technique fragment", "the same face", "verdict: it agrees"] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let buffer = gbuffer::GBuffer::read_npz(&good).expect("a readable G-buffer");
+    let rows =
+        (0..48).map(|y| (0..48).map(|x| buffer.get(x, if (x, y) == (24, 24) { 26 } else { y }).copied()).collect());
+    let meta = gbuffer::Meta { renderer: "other".to_owned(), ..buffer.meta().clone() };
+    let bad = path("pixel-bad.npz");
+    gbuffer::GBuffer::from_rows(buffer.viewport(), meta, rows).write_npz(&bad).expect("a folder to write to");
+    let said = told(&bad, "24,24");
+    assert!(said.contains("verdict: it differs, by ") && said.contains("next: isophote compare"), "{said}");
+    assert!(told(&bad, "0,0").contains("nothing"));
+    let bad = bad.to_str().expect("UTF-8");
+    refused(&["pixel", bad, "48,0"], &["outside the picture of 48x48"]);
+    refused(&["pixel", bad, "1,1", "--view", "top"], &["--view does not go with a saved G-buffer"]);
+    refused(&["pixel", "teapot", "1,1", "--model", "teapot"], &["--model names what a saved G-buffer"]);
+}
+
 #[test]
 fn saved_gbuffers_that_cannot_be_judged_are_refused() {
     let cut = file("cut.npz", "");
@@ -307,6 +338,69 @@ fn render_writes_a_picture_and_a_gbuffer_that_reads_back() {
         assert!((curvature.k1.abs() - 1.0).abs() < 1e-4 && (curvature.k2.abs() - 1.0).abs() < 1e-4, "{curvature:?}");
         assert!(std::fs::metadata(&png).expect("a picture").len() > 100);
     }
+}
+
+#[test]
+fn overlays_go_with_pictures_and_with_what_they_need() {
+    for (arguments, words) in [
+        (&["--overlay", "sections"][..], "--overlay sections goes with --section PLANE"),
+        (&["--section", "z=1"], "--section goes with --overlay sections, or with --overlay combs"),
+        (&["--isoparams", "3", "--overlay", "net"], "--parameters goes with --overlay parameters"),
+        (&["--overlay", "net", "--out", "x.svg"], "--out is one of lines (--lines)"),
+        (&["--overlay", "net", "--out", "x.exr"], "--overlay goes with a picture"),
+        (&["--overlay", "bands", "--shade", "phong", "--out", "x.png"], "--shade isophotes, zebra or highlight"),
+        (&["--overlay", "plaid"], "borders, parameters, trims, net, combs"),
+    ] {
+        refused(&[&["render", "teapot", "--size", "16x16"], arguments].concat(), &[words]);
+    }
+    let picture = |name: &str, overlay: &[&str]| {
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).display().to_string();
+        let drawn = isophote(&[&["render", "islands", "--size", "96x96", "--out", &out], overlay].concat());
+        assert!(drawn.status.success(), "{}", text(&drawn.stderr));
+        (std::fs::read(&out).expect("a picture"), text(&drawn.stderr))
+    };
+    let plain = picture("overlay-none.png", &[]).0;
+    for kind in ["borders", "isoparams", "trims", "net", "combs", "silhouettes", "bands", "continuity,net"] {
+        let (drawn, said) = picture("overlay.png", &["--overlay", kind]);
+        assert_ne!(drawn, plain, "{kind}");
+        assert_eq!(said.contains("pixels are a curvature of"), kind == "combs", "{said}");
+    }
+}
+
+#[test]
+fn shadings_for_people_are_drawn_and_their_options_go_with_nothing_else() {
+    for (arguments, words) in [
+        (&["--shade", "phong", "--environment", "x.png"][..], "--environment goes with --shade reflection"),
+        (&["--shade", "reflection", "--pattern", "dots"], "--pattern goes with --shade zebra"),
+        (&["--shade", "reflection", "--light", "0", "0", "1"], "--light goes with --shade"),
+        (&["--shade", "reflection", "--environment", "absent.png"], "absent.png"),
+        (&["--shadow", "ground", "--out", "x.svg"], "--shadow goes with a picture"),
+        (&["--shadow", "ground", "--background", "transparent", "--out", "x.png"], "--shadow goes with a picture"),
+        (&["--shade", "zebra", "--pattern", "dots", "--lines", "bands", "--out", "x.svg"], "lines of bands go with"),
+    ] {
+        refused(&[&["render", "teapot", "--size", "16x16"], arguments].concat(), &[words]);
+    }
+    let picture = |look: &[&str]| {
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("look.png").display().to_string();
+        let drawn = isophote(&[&["render", "teapot", "--size", "64x64", "--out", &out], look].concat());
+        assert!(drawn.status.success(), "{look:?}: {}", text(&drawn.stderr));
+        std::fs::read(&out).expect("a picture")
+    };
+    let looks: [&[&str]; 8] = [
+        &["--shade", "phong"],
+        &["--shade", "phong", "--light", "-0.5", "0.6", "1"],
+        &["--shade", "reflection"],
+        &["--shade", "zebra"],
+        &["--shade", "zebra", "--pattern", "checker"],
+        &["--shade", "zebra", "--pattern", "dots"],
+        &["--shade", "phong", "--background", "white"],
+        &["--shade", "phong", "--background", "white", "--shadow", "ground"],
+    ];
+    let drawn: Vec<Vec<u8>> = looks.iter().map(|look| picture(look)).collect();
+    for (k, own) in drawn.iter().enumerate() {
+        assert!(!drawn[..k].contains(own), "{:?} is drawn as another", looks[k]);
+    }
+    assert_eq!(picture(&["--shade", "zebra", "--pattern", "stripes"]), drawn[3]);
 }
 
 #[test]

@@ -74,6 +74,28 @@ fn a_moved_copy_is_told_in_model_units_with_its_worst_place() {
 }
 
 #[test]
+fn a_report_is_one_page_with_the_answer_both_pictures_and_the_worst_place() {
+    let folder = folder("page");
+    let (old, new) = (sphere(&folder, "old.json", 0.0), sphere(&folder, "new <2>.json", 0.25));
+    let page = folder.join("deep/report.html");
+    let compare = |out: &str, within: &str| {
+        isophote(&["compare", &old, &new, "--view", "top", "--size", "64x64", "--within", within, "--report", out])
+    };
+    assert_eq!(compare(page.to_str().expect("UTF-8"), "0.1").status.code(), Some(1));
+    let text = std::fs::read_to_string(&page).expect("a page");
+    assert_eq!(text.matches("<img src=\"data:image/png;base64,").count(), 2);
+    for words in
+        ["Beyond.", "pixels are farther from", "face 0 at (u, v)", "isophote pixel", "new &lt;2&gt;.json", "0.25 unit"]
+    {
+        assert!(text.contains(words), "{words}");
+    }
+    assert!(!text.contains("http") && !text.contains("new <2>"), "nothing is fetched, and a name is no markup");
+    let piped = compare("-", "1");
+    let piped = String::from_utf8(piped.stdout).expect("UTF-8");
+    assert!(piped.starts_with("<!doctype html>") && piped.trim_end().ends_with("</html>") && piped.contains("Within."));
+}
+
+#[test]
 fn a_deviation_is_drawn_beside_other_shadings() {
     let folder = folder("drawn");
     let (old, new) = (sphere(&folder, "old.json", 0.0), sphere(&folder, "new.json", 0.25));
@@ -93,7 +115,7 @@ fn what_cannot_be_measured_is_refused_by_name() {
         (&["compare", &in_unit(&folder, "millimetre.step", ".MILLI."), &metre][..], "has no unit"),
         (&["compare", &old, "no-such-model"], "no such file"),
         (&["compare", &old, &old, "--no-gpu"], "--no-gpu goes with renderers"),
-        (&["compare", &old, &old, "--report", "x.html"], "--report goes with renderers"),
+        (&["compare", &old, &old, "--report", "x.png"], "x.png"),
         (&["compare", &old, "--within", "1"], "--within goes with two models"),
         (&["render", &old, "--shade", "deviation"], "--against MODEL"),
         (&["render", &old, "--against", &old], "--against goes with --shade deviation"),

@@ -3,6 +3,14 @@
 //! Each lane does exactly what a single value would: IEEE `+ − × ÷ √`, never fused, in the order of the source. So one
 //! source serves one point and eight. The bits depend neither on how many go together nor on the processor: a [`Kernel`]
 //! is compiled once for each [`Level`], and [`run`] takes the best one that is there.
+//!
+//! # Examples
+//! ```
+//! use lanes::Lanes;
+//!
+//! let four = Lanes([1.0f32, 4.0, 9.0, 16.0]);
+//! assert_eq!((four + Lanes::splat(0.0)).sqrt(), Lanes([1.0, 2.0, 3.0, 4.0]));
+//! ```
 
 pub use fearless_simd::Level;
 

@@ -19,12 +19,8 @@ const ONE_POINT: f64 = 1e-9;
 /// The borders of a face; `bounds` are those of its whole surface.
 pub fn borders(model: &Model, face: FaceId, bounds: &DerivativeBounds, frame: &Frame) -> Traced {
     let surface = model.surface(face);
-    let curves: Vec<BezierCurve> = match model.region(face) {
-        Some(region) => region.edges().map(|piece| piece.curve.clone()).collect(),
-        None => sides(surface),
-    };
     let mut traced = Traced::default();
-    for curve in curves {
+    for curve in curves(model, face) {
         let mut stack = vec![curve];
         let mut looked_at = 0;
         while let Some(curve) = stack.pop() {
@@ -49,6 +45,14 @@ pub fn borders(model: &Model, face: FaceId, bounds: &DerivativeBounds, frame: &F
         }
     }
     traced
+}
+
+/// The curves in (u, v) at which a face ends, in the order of its loops or sides.
+pub fn curves(model: &Model, face: FaceId) -> Vec<BezierCurve> {
+    match model.region(face) {
+        Some(region) => region.edges().map(|piece| piece.curve.clone()).collect(),
+        None => sides(model.surface(face)),
+    }
 }
 
 /// The sides of a surface's domain at which it ends: no seam, and no point.

@@ -169,7 +169,7 @@ pub fn equations(family: &Family, patch: &BezierPatch, whole: [[f64; 2]; 2], cam
                 Bernstein::new(degree, [low, high].map(|end| (end - value) / (high - low)).to_vec(), error)
             })
         }
-        Family::Borders => vec![],
+        Family::Borders | Family::Trims => vec![],
     }
 }
 

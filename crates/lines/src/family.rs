@@ -44,6 +44,8 @@ pub enum Family {
     },
     /// Where a face ends: its trim loops and the sides of its domain; the level is 0.
     Borders,
+    /// The loops of faces that have less material than their whole surface; the level is 0.
+    Trims,
 }
 
 impl Family {
@@ -58,6 +60,7 @@ impl Family {
             Self::Parameters { axis: 0, .. } => "u-lines",
             Self::Parameters { .. } => "v-lines",
             Self::Borders => "borders",
+            Self::Trims => "trims",
         }
     }
 
@@ -69,7 +72,7 @@ impl Family {
             Self::Highlights { lamps, .. } => lamps.len(),
             Self::Sections { distances, .. } => distances.len(),
             Self::Parameters { shares, .. } => shares.len(),
-            Self::Silhouettes | Self::Borders => 1,
+            Self::Silhouettes | Self::Borders | Self::Trims => 1,
         }
     }
 
@@ -81,7 +84,7 @@ impl Family {
             Self::Highlights { .. } => index as f64,
             Self::Sections { distances, .. } => distances[index],
             Self::Parameters { shares, .. } => shares[index],
-            Self::Silhouettes | Self::Borders => 0.0,
+            Self::Silhouettes | Self::Borders | Self::Trims => 0.0,
         }
     }
 }

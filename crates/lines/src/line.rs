@@ -8,6 +8,7 @@ use crate::frame::Frame;
 use crate::join::joined;
 use crate::place::{Eye, Place};
 use crate::trace::{Chord, Traced, trace};
+use crate::wire::Wire;
 use nurbs::{BezierPatch, DerivativeBounds};
 use rayon::prelude::*;
 use scene::{Camera, FaceId, Model, Viewport};
@@ -17,7 +18,7 @@ pub const TOLERANCE: f64 = 0.05;
 
 /// At a silhouette or a border the surface ends, and the line's own place may be a hair behind it: there it is enough that
 /// something so near is seen, pixels.
-const BESIDE: f64 = 0.125;
+pub(crate) const BESIDE: f64 = 0.125;
 
 /// A line, or a part of one: all of it is seen, or none.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +64,8 @@ pub struct Drawing {
     pub lines: Vec<Line>,
     /// Empty where no line is lost.
     pub unfinished: Vec<Unfinished>,
+    /// What is drawn beside the surface; [`draw`] leaves it empty.
+    pub wires: Vec<Wire>,
 }
 
 /// A surface in patches, each with bounds of its derivatives.
@@ -79,7 +82,7 @@ pub fn draw(model: &Model, camera: &Camera, viewport: Viewport, families: &[Fami
     let frame = Frame { camera: *camera, viewport, tolerance: TOLERANCE };
     let surfaces: Vec<Patches> = model.surfaces().par_iter().map(Patches::new).collect();
     let within = frame.joint() * camera.pixel_at(viewport, model.hull());
-    let mut drawing = Drawing { families: families.to_vec(), lines: vec![], unfinished: vec![] };
+    let mut drawing = Drawing { families: families.to_vec(), lines: vec![], unfinished: vec![], wires: vec![] };
     for (number, family) in families.iter().enumerate() {
         // Of each face the chords of each level.
         let traced: Vec<Vec<Traced>> = (0..model.faces().len())
@@ -89,7 +92,7 @@ pub fn draw(model: &Model, camera: &Camera, viewport: Viewport, families: &[Fami
                 surfaces[model.faces()[face].surface].traced(model, id, family, &frame)
             })
             .collect();
-        let ends = matches!(family, Family::Borders | Family::Silhouettes);
+        let ends = matches!(family, Family::Borders | Family::Trims | Family::Silhouettes);
         let beside = if ends { BESIDE } else { 0.0 };
         let ids = || (0..).map(FaceId);
         for index in 0..family.count() {
@@ -107,7 +110,7 @@ pub fn draw(model: &Model, camera: &Camera, viewport: Viewport, families: &[Fami
             .map(|index| {
                 let on_faces =
                     |(face, of): (FaceId, &Vec<Traced>)| material(model, face, &of[index].chords, &frame, eye);
-                let is_border = matches!(family, Family::Borders);
+                let is_border = matches!(family, Family::Borders | Family::Trims);
                 let whole = |(face, of): (FaceId, &Vec<Traced>)| pieces(model, face, &of[index].chords);
                 let pieces: Vec<Vec<Place>> = if is_border {
                     ids().zip(&traced).flat_map(whole).collect()
@@ -142,7 +145,12 @@ impl Patches {
     /// The chords of each level of a family on a face of this surface.
     fn traced(&self, model: &Model, face: FaceId, family: &Family, frame: &Frame) -> Vec<Traced> {
         let mut levels = vec![Traced::default(); family.count()];
-        if matches!(family, Family::Borders) {
+        let is_drawn = match family {
+            Family::Borders => true,
+            Family::Trims => model.trimmed_region(face).is_some(),
+            _ => false,
+        };
+        if is_drawn {
             levels[0] = borders(model, face, &self.bounds, frame);
             return levels;
         }

@@ -3,12 +3,14 @@
 //! Chords are proven one by one, and most are better than they need be. So places are left out where the way hardly changes.
 
 use crate::family::Family;
-use crate::line::{Drawing, Line};
-use glam::DVec2;
+use crate::line::Drawing;
+use crate::wire::{Wire, WireKind};
+use glam::{DVec2, DVec3};
 use scene::{Camera, Viewport};
 use std::fmt::Write;
 
 /// Widths of strokes, pixels.
+const FINE: f64 = 0.5;
 const THIN: f64 = 0.8;
 const THICK: f64 = 1.4;
 
@@ -37,9 +39,24 @@ pub fn svg(drawing: &Drawing, camera: &Camera, viewport: Viewport, title: &str, 
             let dashed =
                 if line.is_seen { "" } else { " class=\"hidden\" stroke-dasharray=\"3 3\" stroke-opacity=\"0.6\"" };
             let (level, faces) = (family.level(line.index), faces.join(" "));
-            for way in ways(line, camera, viewport) {
+            for way in ways(line.places.iter().map(|place| place.position), camera, viewport) {
                 let _ = writeln!(text, "<path data-level=\"{level}\" data-faces=\"{faces}\"{dashed} d=\"{way}\"/>");
             }
+        }
+        text.push_str("</g>\n");
+    }
+    for kind in WireKind::ALL {
+        let wires: Vec<&Wire> = drawing.wires.iter().filter(|wire| wire.kind == kind).collect();
+        if wires.is_empty() {
+            continue;
+        }
+        let (name, colour) = (kind.name(), wire_colour(kind));
+        let _ = writeln!(
+            text,
+            "<g class=\"{name}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{FINE}\" stroke-linejoin=\"round\">"
+        );
+        for way in wires.iter().flat_map(|wire| ways(wire.points.iter().copied(), camera, viewport)) {
+            let _ = writeln!(text, "<path d=\"{way}\"/>");
         }
         text.push_str("</g>\n");
     }
@@ -48,8 +65,8 @@ pub fn svg(drawing: &Drawing, camera: &Camera, viewport: Viewport, title: &str, 
 }
 
 /// The ways of a line in the picture: more than one where a part of it is beside the eye.
-fn ways(line: &Line, camera: &Camera, viewport: Viewport) -> Vec<String> {
-    let places: Vec<Option<DVec2>> = line.places.iter().map(|place| camera.picture(viewport, place.position)).collect();
+fn ways(points: impl Iterator<Item = DVec3>, camera: &Camera, viewport: Viewport) -> Vec<String> {
+    let places: Vec<Option<DVec2>> = points.map(|point| camera.picture(viewport, point)).collect();
     let parts = places.split(Option::is_none).map(|part| thinned(&part.iter().flatten().copied().collect::<Vec<_>>()));
     parts.filter(|part| 1 < part.len()).map(|part| written(&part)).collect()
 }
@@ -89,6 +106,14 @@ fn ink(family: &Family) -> (&'static str, f64) {
         Family::Sections { .. } => ("#cf222e", THICK),
         Family::Parameters { .. } => ("#9aa4ae", THIN),
         Family::Borders => ("#24292f", THIN),
+        Family::Trims => ("#0a7d55", THIN),
+    }
+}
+
+fn wire_colour(kind: WireKind) -> &'static str {
+    match kind {
+        WireKind::Net => "#bf3989",
+        WireKind::Combs => "#bc4c00",
     }
 }
 

@@ -1,7 +1,7 @@
 //! Lines whose shape is known, on the unit sphere: circles about an axis, and nothing else.
 
 use glam::{DVec2, DVec3};
-use lines::{Drawing, Eye, Family, Place, draw, dxf, svg};
+use lines::{Drawing, Eye, Family, Place, WireKind, combs, draw, dxf, net, svg};
 use scene::{Camera, FaceId, Model, Projection, Viewport};
 use std::f64::consts::TAU;
 
@@ -136,4 +136,29 @@ fn files_hold_the_lines_with_their_levels_and_faces() {
     assert_eq!(text.matches("\nPOLYLINE\n8\nisophotes_30\n").count(), 2);
     assert_eq!(text.matches("\nVERTEX\n").count(), points);
     assert!(text.ends_with("0\nENDSEC\n0\nEOF\n"));
+}
+
+/// Of the sphere's sections at one height all teeth are as long, and files hold each once.
+#[test]
+fn nets_and_combs_are_written_beside_the_lines() {
+    let (camera, viewport) = camera();
+    let mut drawing = drawn(Family::Sections { normal: DVec3::Z, distances: vec![0.6] });
+    let found = combs(&sphere(), &camera, viewport, &drawing, false, &Glass);
+    assert!((found.curvature.expect("it is curved") - 1.0 / 0.8).abs() < 1e-9, "{:?}", found.curvature);
+    let teeth = found.wires();
+    let lengths =
+        teeth.iter().filter(|wire| wire.points.len() == 2).map(|wire| wire.points[0].distance(wire.points[1]));
+    let lengths: Vec<f64> = lengths.collect();
+    assert!(60 < lengths.len() && lengths.iter().all(|length| (length / lengths[0] - 1.0).abs() < 1e-6), "{lengths:?}");
+    let nets = net(&sphere());
+    let points: usize = sphere().surfaces().iter().map(|surface| surface.points().len()).sum();
+    assert_eq!(nets.iter().map(|wire| wire.points.len()).sum::<usize>(), 2 * points, "each is on a row and a column");
+    let written = nets.len() + teeth.len();
+    drawing.wires = nets.into_iter().chain(teeth).collect();
+    let picture = svg(&drawing, &camera, viewport, "test", false);
+    for kind in WireKind::ALL {
+        assert!(picture.contains(&format!("<g class=\"{}\"", kind.name())), "{kind:?}");
+    }
+    let space = dxf(&drawing, false);
+    assert_eq!(space.matches("\nPOLYLINE\n").count(), drawing.lines.len() + written);
 }

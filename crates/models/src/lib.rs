@@ -2,6 +2,13 @@
 //!
 //! [`builtin()`] makes one when it is asked for; nothing of it is kept. [`all`] lists the names, each with a line on what the
 //! model is.
+//!
+//! # Examples
+//! ```
+//! let teapot = models::builtin("teapot").expect("it is built in");
+//! assert_eq!(teapot.faces().len(), 32);
+//! assert!(models::all().any(|(name, _)| *name == "teapot"));
+//! ```
 
 mod builtin;
 mod construction;

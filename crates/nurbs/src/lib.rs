@@ -4,6 +4,19 @@
 //! evaluated ([`Surface::point`], [`Surface::first_derivatives`], [`Surface::second_derivatives`]), interrogated
 //! ([`SurfacePoint`]: normal with status, curvatures), cut into [`BezierPatch`]es and bounded ([`DerivativeBounds`]).
 //! Names and algorithm numbers are those of Piegl & Tiller, *The NURBS Book*, 2nd edition.
+//!
+//! # Examples
+//! ```
+//! use glam::DVec3;
+//! use nurbs::{KnotVector, Surface};
+//!
+//! // A square of side 2 in the plane z = 0.
+//! let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0])?;
+//! let points = vec![DVec3::ZERO, 2.0 * DVec3::Y, 2.0 * DVec3::X, DVec3::new(2.0, 2.0, 0.0)];
+//! let surface = Surface::new(knots.clone(), knots, points, None)?;
+//! assert_eq!(surface.point(0.5, 0.25), DVec3::new(1.0, 0.5, 0.0));
+//! # Ok::<(), nurbs::NurbsError>(())
+//! ```
 
 mod approximation;
 mod basis;

@@ -2,6 +2,16 @@
 //!
 //! `raster` runs [`fragment`] from this crate, `gpu` runs its twin in WGSL ([`wgsl`]); both read the same
 //! [`PackedScene`], [`Mesh`]es and [`View`]s, which module `packed` alone narrows from f64.
+//!
+//! # Examples
+//! ```
+//! use pipeline::{PackedScene, Scheme};
+//!
+//! let teapot = models::builtin("teapot").expect("it is built in");
+//! let scene = PackedScene::new(&teapot, Scheme::General)?;
+//! assert_eq!(scene.frames().len(), 32, "each face has a frame of its own");
+//! # Ok::<(), pipeline::PackError>(())
+//! ```
 
 pub mod edge;
 pub mod enclosure;

@@ -9,6 +9,40 @@
 //!
 //! Every number is made by IEEE `+ − × ÷ √` in a fixed order, and no task reads what another writes: the G-buffer
 //! does not depend on the number of threads.
+//!
+//! # Examples
+//! ```
+//! use gbuffer::Meta;
+//! use glam::DVec3;
+//! use nurbs::{KnotVector, Surface};
+//! use pipeline::{PackedScene, Scheme};
+//! use raster::{Drawing, Options, Rasterizer};
+//! use scene::{Camera, Model, Viewport};
+//!
+//! let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0])?;
+//! let points = vec![DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X + DVec3::Y];
+//! let model = Model::of_surfaces("square", vec![Surface::new(knots.clone(), knots, points, None)?])?;
+//! let viewport = Viewport::new(64, 64)?;
+//! let camera = Camera::framing(&model, viewport);
+//! let scene = PackedScene::new(&model, Scheme::General)?;
+//! let views = scene.views(&model, &camera, viewport);
+//! // Who is seen is a technique's answer.
+//! let setting = techniques::Setting {
+//!     model: &model,
+//!     scene: &scene,
+//!     camera: &camera,
+//!     viewport,
+//!     chord_px: 0.25,
+//!     limits: Default::default(),
+//!     vertex_normals: false,
+//! };
+//! let prepared = techniques::named("fragment").expect("the default").prepare(&setting)?;
+//! let drawing = Drawing { scene: &scene, views: &views, camera: &camera, viewport, options: Options::default() };
+//! let rasterizer = Rasterizer::new(drawing, prepared.visibility(drawing));
+//! let buffer = rasterizer.render(Meta::new("raster", "fragment", &model, &camera), &|_| ());
+//! assert!(buffer.covered() > 100);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod bins;
 pub mod clip;

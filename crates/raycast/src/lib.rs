@@ -16,6 +16,22 @@
 //!
 //! A root is a hit of the faces of its surface that have material there ([`Classifier`]), edges included; the others are
 //! trimmed away.
+//!
+//! # Examples
+//! ```
+//! use glam::DVec3;
+//! use nurbs::{KnotVector, Surface};
+//! use raycast::Caster;
+//! use scene::{Model, Ray};
+//!
+//! let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0])?;
+//! let points = vec![DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X + DVec3::Y];
+//! let model = Model::of_surfaces("square", vec![Surface::new(knots.clone(), knots, points, None)?])?;
+//! let ray = Ray { origin: DVec3::new(0.25, 0.5, 3.0), direction: DVec3::NEG_Z, near: 0.0 };
+//! let hit = Caster::new(&model).first(&ray).hit.expect("the ray meets the square");
+//! assert!((hit.t - 3.0).abs() < 1e-12 && (hit.uv.x - 0.25).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod edge;
 mod faces;

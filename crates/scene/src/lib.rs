@@ -1,5 +1,21 @@
 //! What is drawn, and from where: faces and their trimmed regions, models and what was noted as they were read, cameras,
 //! viewports and the samples of a pixel, all in f64.
+//!
+//! # Examples
+//! ```
+//! use glam::DVec3;
+//! use nurbs::{KnotVector, Surface};
+//! use scene::{Camera, Model, Viewport};
+//!
+//! let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0])?;
+//! let points = vec![DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X + DVec3::Y];
+//! let model = Model::of_surfaces("square", vec![Surface::new(knots.clone(), knots, points, None)?])?;
+//! let viewport = Viewport::new(640, 480)?;
+//! let camera = Camera::framing(&model, viewport);
+//! let (pixel, _) = camera.project(viewport, DVec3::new(0.5, 0.5, 0.0)).expect("in front of the eye");
+//! assert!((0.0..640.0).contains(&pixel.x) && (0.0..480.0).contains(&pixel.y));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod camera;
 mod edges;

@@ -2,6 +2,13 @@
 //!
 //! A technique is a folder here, one of `shaders/`, and a line in [`ALL`]. It prepares a scene; the CPU rasterizer draws that by
 //! its `Visibility`, the GPU by its `Pass`, and both run the same fragment program at what it finds.
+//!
+//! # Examples
+//! ```
+//! let names: Vec<&str> = techniques::ALL.iter().map(|technique| technique.name()).collect();
+//! assert_eq!(names, ["fragment", "exact", "grid", "zones"]);
+//! assert!(techniques::named("plaid").is_none());
+//! ```
 
 mod error;
 pub mod exact;

@@ -103,7 +103,7 @@ pub struct DrawingArgs {
     #[arg(long, hide_short_help = true, value_enum, default_value = "specialised")]
     scheme: SchemeName,
     #[command(flatten)]
-    pub(super) trim: TrimArgs,
+    pub(crate) trim: TrimArgs,
     /// Chord error of the triangles, pixels
     ///
     /// Of a saved G-buffer, what its flat triangles are allowed.

@@ -4,6 +4,7 @@ use super::maps::{self, AGREES, BEYOND, NO_VERDICT, SHARE_ENDS};
 use super::next::Next;
 use super::pictures::Pictures;
 use super::verdict::short;
+use crate::words;
 use anyhow::Result;
 use compare::{PairReport, Verdict};
 use scene::Viewport;
@@ -62,7 +63,7 @@ impl Page<'_> {
         for (name, value) in &self.facts {
             writeln!(page, "<tr><th scope=\"row\">{name}</th><td>{}</td></tr>", html(value))?;
         }
-        writeln!(page, "</tbody></table><h3>Again</h3><code>{}</code></section>", html(&command()))?;
+        writeln!(page, "</tbody></table><h3>Again</h3><code>{}</code></section>", html(&words::again()))?;
         page.push_str("</main>\n<footer class=\"wide quiet\">One file, nothing fetched.</footer>\n</body></html>\n");
         Ok(page)
     }
@@ -140,15 +141,6 @@ fn worst(page: &mut String, pair: &PairReport, next: &Next) -> Result<()> {
         writeln!(page, "<h3>Next</h3><code>{}</code>", html(&next.command(pixel)))?;
     }
     Ok(())
-}
-
-/// The command line that this is the answer to, as a shell takes it.
-fn command() -> String {
-    let is_plain =
-        |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || "-_./:,=+".contains(c));
-    let quoted = |text: String| if is_plain(&text) { text } else { format!("'{}'", text.replace('\'', "'\\''")) };
-    let arguments = std::env::args_os().skip(1).map(|argument| quoted(argument.to_string_lossy().into_owned()));
-    std::iter::once("isophote".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
 fn figure(page: &mut String, caption: &str, uri: &str) -> Result<()> {

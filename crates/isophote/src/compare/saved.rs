@@ -9,11 +9,11 @@ use super::verdict;
 use crate::terminal;
 use crate::view::ModelArgs;
 use anyhow::{Context, Result, bail};
-use compare::{Claims, Deviation, Diagnosis, Judge, PairReport, diagnose};
+use compare::{Claims, Deviation, Diagnosis, Judge, PairReport, PixelVerdict, diagnose};
 use gbuffer::{GBuffer, Meta, Trims};
 use pipeline::PackedScene;
 use pipeline::mask::{MaskOptions, MaskPlan, MaskQuality, Trimming};
-use raycast::Caster;
+use raycast::{Cast, Caster};
 use scene::{Camera, Model, Viewport};
 use serde::Deserialize;
 use serde_json::json;
@@ -72,6 +72,16 @@ pub struct SavedComparison {
     pub pairs: Vec<PairReport>,
     /// Of each pair, the one fault that explains it, where one does.
     pub diagnoses: Vec<Option<Diagnosis>>,
+}
+
+/// One pixel of a saved file.
+pub struct SavedPixel {
+    /// What the ray through its centre says.
+    pub cast: Cast,
+    /// What is said of the file's.
+    pub verdict: PixelVerdict,
+    /// What the file is allowed there, in words.
+    pub allowed: String,
 }
 
 impl SavedComparison {
@@ -354,6 +364,30 @@ impl Saved {
         }
         diagnoses.resize(pairs.len(), None);
         Ok(SavedComparison { cast, pairs, diagnoses })
+    }
+
+    /// What is said of pixel `at` of the first file against the one ray that is cast there, as [`Self::compare`] judges it.
+    ///
+    /// # Errors
+    /// As of [`Self::compare`].
+    pub fn pixel(&self, plan: Plan, masks_px: Option<f64>, at: [usize; 2]) -> Result<SavedPixel> {
+        let file = self.files.first().context(NOTHING)?;
+        let drawn = file.trimmed(plan, masks_px)?;
+        let stage =
+            file.is_twin(plan).then(|| Stage::new(&self.model, self.camera, self.viewport, drawn)).transpose()?;
+        let deviation = file.deviation(&self.model, &self.camera, plan, stage.as_ref())?;
+        let caster = Caster::new(&self.model);
+        let [x, y] = at;
+        let cast = caster.first(&self.camera.ray(self.viewport, x as f64 + 0.5, y as f64 + 0.5));
+        let row = |row| (0..self.viewport.width()).map(|column| cast.hit.filter(|_| [column, row] == at)).collect();
+        let meta = Meta::new(RAYCAST, RAYS, &self.model, &self.camera);
+        let reference = GBuffer::from_rows(self.viewport, meta, (0..self.viewport.height()).map(row))
+            .with_undecided(cast.undecided.map(|_| (x, y)));
+        let rays = Rays { caster: &caster, camera: self.camera, viewport: self.viewport };
+        let scene = self.as_read(&drawn)?;
+        let judge = Judge::new(&self.model, &self.camera, self.viewport, &scene);
+        let verdict = judge.pixel(&reference, &rays, &file.buffer, &deviation, true, at)?;
+        Ok(SavedPixel { cast, verdict, allowed: deviation.text })
     }
 
     /// What rays see.

@@ -4,13 +4,14 @@ use super::args::CompareArgs;
 use crate::antialias::Antialias;
 use crate::format::Format;
 use crate::text::escaped;
-use crate::versions::{Measured, Nearest, Report};
+use crate::versions::{Measured, Nearest, Report, page};
 use crate::view::ModelArgs;
 use crate::{output, say, terminal, words};
 use anyhow::{Result, bail};
 use formats::{Document, Unit};
 use gbuffer::Picture;
 use raycast::Caster;
+use scene::Model;
 use std::process::ExitCode;
 
 /// Runs the command.
@@ -18,7 +19,6 @@ pub(super) fn run(args: &CompareArgs, [first, second]: [&String; 2]) -> Result<E
     for (is_given, option) in [
         (args.antialias != Antialias::None, "--antialias"),
         (args.approximate.is_asked(), "--approximate"),
-        (args.report.is_some(), "--report"),
         (args.no_gpu, "--no-gpu"),
         (args.drawing.adapter.is_some(), "--adapter"),
     ] {
@@ -61,12 +61,27 @@ pub(super) fn run(args: &CompareArgs, [first, second]: [&String; 2]) -> Result<E
         }
         output::write_json(&folder.join("report.json"), &report)?;
     }
+    if let Some(path) = &args.report {
+        let facts = [
+            ("model hashes", [&model, nearest.model()].map(Model::hash).join(", ")),
+            ("size", format!("{} x {} pixels", viewport.width(), viewport.height())),
+            ("camera", serde_json::to_string(&camera)?),
+            ("program", env!("CARGO_PKG_VERSION").to_owned()),
+        ];
+        output::write(path, page(&report, &buffer, &measured, &facts)?.as_bytes())?;
+        if output::is_standard(path) {
+            return Ok(ExitCode::from(report.exit_code()));
+        }
+    }
     match args.format {
         Format::Json => terminal::json(&report)?,
         Format::Table => {
             terminal::show(&Picture::beside(&pictures.each_ref().map(|(_, picture)| picture)))?;
             if let Some(folder) = &args.out {
                 say!("pictures and report.json are in {}", folder.display())?;
+            }
+            if let Some(path) = &args.report {
+                say!("the report is {}", path.display())?;
             }
             report.print()?;
         }

@@ -1,5 +1,6 @@
 //! What a picture shows, as the controls of a window.
 
+use super::pattern::Pattern;
 use super::{Behind, DEFAULT_STRIPES, Look, LookArgs, Range, vector_of};
 use crate::words::value_name;
 use ::view::egui::{ComboBox, DragValue, Slider, Ui};
@@ -49,6 +50,15 @@ impl LookArgs {
             if ui.add(Slider::new(&mut turn, -90.0..=90.0).suffix("°").text("turned")).changed() {
                 self.stripe_direction = Some(turn);
             }
+        }
+        if self.goes(&[Look::Zebra]) {
+            let mut pattern = self.pattern.unwrap_or(Pattern::Stripes);
+            ComboBox::from_label("pattern").selected_text(value_name(&pattern)).show_ui(ui, |ui| {
+                for own in Pattern::value_variants() {
+                    ui.selectable_value(&mut pattern, *own, value_name(own));
+                }
+            });
+            self.pattern = Some(pattern).filter(|pattern| *pattern != Pattern::Stripes);
         }
         if self.is_lit() {
             let usual = if self.shade == Look::Highlight { DEFAULT_LAMPS } else { DEFAULT_LIGHT };

@@ -22,11 +22,15 @@ impl LookArgs {
             Behind::Colour([r, g, b]) => words::option("--background", format!("#{r:02x}{g:02x}{b:02x}")),
             Behind::Nothing => words::option("--background", "transparent"),
         });
+        let pattern = self.pattern.iter().map(|pattern| words::named("--pattern", pattern));
+        let environment = self.environment.iter().map(|path| words::option("--environment", path.display()));
         let against = self.against.iter().map(|name| words::option("--against", name));
         let legend = words::flag("--legend", self.legend);
         shade
             .chain(numbers)
             .chain(stripes)
+            .chain(pattern)
+            .chain(environment)
             .chain(vectors)
             .chain(against)
             .chain(range)

@@ -17,48 +17,48 @@ const SCHEMA_VERSION: u32 = 1;
 #[derive(Serialize)]
 pub struct Report {
     /// Of `testdata/schema/versions-1.json`.
-    schema_version: u32,
+    pub(super) schema_version: u32,
     /// The names of both, as they were given.
-    versions: [String; 2],
+    pub(super) versions: [String; 2],
     /// What comes after a pixel on the command line that tells of it.
     #[serde(skip)]
-    view: String,
+    pub(super) view: String,
     /// What the unit of length is called; `unit` where the files say none.
-    unit: String,
-    size: [usize; 2],
+    pub(super) unit: String,
+    pub(super) size: [usize; 2],
     /// Pixels that show the first version.
-    seen: usize,
+    pub(super) seen: usize,
     /// Pixels of which the ray caster could not say what they show.
-    undecided: usize,
+    pub(super) undecided: usize,
     /// Pixels whose nearest point of the second version is on a border or a crease of it, and not opposite.
-    beside: usize,
+    pub(super) beside: usize,
     /// Of the distances, model units; `null` where nothing was measured.
-    distance: Option<Spread>,
+    pub(super) distance: Option<Spread>,
     /// The least deviation and the greatest, model units: above 0 on the side that the first version's normal points to.
-    deviation: Option<[f64; 2]>,
+    pub(super) deviation: Option<[f64; 2]>,
     /// Of the angles between tangent planes, degrees.
-    angle_deg: Option<Spread>,
+    pub(super) angle_deg: Option<Spread>,
     /// Where the distance is greatest.
-    worst_distance: Option<Worst>,
+    pub(super) worst_distance: Option<Worst>,
     /// Where the angle is.
-    worst_angle: Option<Worst>,
+    pub(super) worst_angle: Option<Worst>,
     /// The greatest distance that is allowed, model units, where one was given.
-    within: Option<f64>,
+    pub(super) within: Option<f64>,
     /// Pixels that are farther off.
-    beyond: usize,
+    pub(super) beyond: usize,
 }
 
 /// A place by its numbers.
 #[derive(Serialize)]
-struct Worst {
-    pixel: [usize; 2],
-    deviation: f64,
-    angle_deg: Option<f64>,
+pub(super) struct Worst {
+    pub(super) pixel: [usize; 2],
+    pub(super) deviation: f64,
+    pub(super) angle_deg: Option<f64>,
     /// On the first version and on the second.
-    face: [usize; 2],
-    uv: [[f64; 2]; 2],
-    position: [DVec3; 2],
-    is_opposite: bool,
+    pub(super) face: [usize; 2],
+    pub(super) uv: [[f64; 2]; 2],
+    pub(super) position: [DVec3; 2],
+    pub(super) is_opposite: bool,
 }
 
 impl Report {
@@ -192,7 +192,7 @@ impl Report {
 }
 
 /// Four digits, without the noughts at their end.
-fn short(x: f64) -> String {
+pub(super) fn short(x: f64) -> String {
     let size = x.abs();
     if size == 0.0 {
         return "0".to_owned();

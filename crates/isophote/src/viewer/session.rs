@@ -5,7 +5,7 @@ use super::drawer::{Drawer, Scene};
 use super::judging::{Judging, Question};
 use super::reading::{Reading, Told};
 use crate::compare::DrawingArgs;
-use crate::look::{LookArgs, Painter};
+use crate::look::{LookArgs, Opened, Painter};
 use crate::output;
 use crate::stage::Stage;
 use crate::view::{ModelArgs, ViewArgs};
@@ -86,6 +86,8 @@ pub struct Session<'d> {
     viewport: Viewport,
     drawing: DrawingArgs,
     look: LookArgs,
+    /// What its options named.
+    opened: Opened,
     out: PathBuf,
     reading: Option<Reading>,
     /// What is said of it.
@@ -125,6 +127,7 @@ impl<'d> Session<'d> {
             viewport,
             drawing: args.drawing.clone(),
             look: args.look.clone(),
+            opened: args.look.opened()?,
             out: args.out.clone().unwrap_or_else(|| PathBuf::from(PICTURE)),
             reading: None,
             judging: Judging::default(),
@@ -460,7 +463,7 @@ impl<'d> Session<'d> {
         let start = Instant::now();
         let buffer =
             self.drawer.gbuffer(scene(&self.document.model, self.camera, self.viewport, &self.drawing), false)?;
-        let painter = self.look.painter(&buffer, &self.length(), None);
+        let painter = self.look.painter(&buffer, &self.length(), &self.opened);
         self.picture = Some(painter.painted(&buffer, &self.document.model, &self.camera)?);
         (self.at_rest, self.painter, self.shown) = (Some(Arc::new(buffer)), Some(painter), Shown::AtRest);
         (self.took, self.frames) = (start.elapsed(), self.frames + 1);
@@ -480,7 +483,7 @@ impl<'d> Session<'d> {
             Some(picture) => picture,
             None => {
                 let buffer = self.drawer.gbuffer(scene, true)?;
-                let painter = self.painter.insert(self.look.painter(&buffer, &self.length(), None));
+                let painter = self.painter.insert(self.look.painter(&buffer, &self.length(), &self.opened));
                 painter.painted(&buffer, &self.document.model, &self.camera)?
             }
         });

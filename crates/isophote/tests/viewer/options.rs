@@ -47,6 +47,8 @@ fn every_option_comes_back_from_its_words() {
             "--shade draft --pull 0 -1 1e-3 --range -1e-7:2.5",
             "--shade mean --range auto --background white",
             "--shade deviation --against old.step",
+            "--shade zebra --pattern dots --stripes 9",
+            "--shade reflection --environment around.png",
         ],
         LookArgs::words,
     );
