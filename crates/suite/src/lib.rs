@@ -4,6 +4,7 @@
 //! as WebAssembly. A [`stage`] is one model, seen; [`corpus`] lists the suite's scenes, [`run`] goes through them with whoever
 //! draws, and [`report`] is what it leaves.
 
+pub mod bits;
 pub mod corpus;
 pub mod difference;
 pub mod embedded;
