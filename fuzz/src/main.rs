@@ -108,7 +108,7 @@ fn target(name: &str) -> Result<Target> {
             zipped: true,
         },
         "shard" => {
-            let corpus = Corpus::new(Suite::Smoke, &Suite::Smoke.scenes());
+            let corpus = Corpus::new(Suite::Smoke, &Suite::Smoke.scenes(), isophote::stage::Path::default());
             let mut seeds = folders(&["hostile"], "json")?;
             seeds.retain(|seed| seed.windows(16).any(|part| part == b"isophote-conform"));
             // Brought up to date, so that mutations get behind the version.

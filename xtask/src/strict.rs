@@ -8,11 +8,12 @@ pub mod operations;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use gbuffer::GBuffer;
+use isophote::conform::bits::Bits;
 use isophote::conform::corpus::{Scene, Suite};
 use isophote::conform::dawn::Dawn;
 use isophote::conform::run::{Adapter, DrawError, Gpu};
 use isophote::say;
-use isophote::stage::{Path, Plan, Stage};
+use isophote::stage::{Path, Stage};
 use operations::Amount;
 use scene::Viewport;
 use std::path::PathBuf;
@@ -118,8 +119,8 @@ fn pictures(args: &StrictArgs, hosts: &mut [Box<dyn Adapter>], began: Instant) -
     let mut counts = Counts::default();
     for scene in scenes.into_iter().filter(is_asked) {
         let model = scene.open().map_err(anyhow::Error::msg)?;
-        let plans = args.suite.plans(scene).into_iter().filter(|plan| plan.technique == args.technique);
-        for plan in plans.map(|plan| Plan { path: Path::Strict, ..plan }) {
+        let plans = args.suite.plans_by(scene, Path::Strict);
+        for plan in plans.into_iter().filter(|plan| plan.technique == args.technique) {
             for &viewpoint in args.suite.viewpoints(scene) {
                 if is_over() {
                     counts.not_begun += hosts.len();
@@ -143,11 +144,10 @@ impl Counts {
         self.pictures += 1;
         match drawn {
             Ok(drawn) => {
-                let unlike = raster.unlike(&drawn);
                 self.covered += drawn.covered();
-                if unlike.pixels > 0 {
+                if let Some(first) = Bits::new(raster, &drawn).first {
                     self.unlike += 1;
-                    say!("    {host}: {}: {unlike}", drawn.hash())?;
+                    say!("    {host}: {}: {first}", drawn.hash())?;
                 }
             }
             Err(DrawError::Lost(why) | DrawError::Refused(why)) => {

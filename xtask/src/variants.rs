@@ -4,6 +4,7 @@
 //! tokens of its text ([`text`]). A host draws a few scenes with it, and each picture is judged as any other: against rays and
 //! against the rasterizer. After Donaldson et al., *Automated Testing of Graphics Shader Compilers* (2017, doi 10.1145/3133917).
 
+pub mod bodies;
 pub mod reduced;
 pub mod rewriting;
 pub mod text;

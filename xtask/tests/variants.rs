@@ -2,6 +2,8 @@
 
 use pipeline::wgsl::{self, Variant};
 use pipeline::{Program, TrimMethod};
+use xtask::mutants::mutant::is_legal;
+use xtask::variants::bodies::shrunk;
 use xtask::variants::variant::variant;
 use xtask::variants::wording::{Fault, Opened, Wording};
 use xtask::variants::{Kind, differs, reduced, with_stages};
@@ -69,5 +71,27 @@ fn a_fault_is_reduced_to_a_face_and_eight_pixels_and_written_with_what_shows_it(
     assert!(read("program-0.wgsl").contains("fn fragment_gbuffer"));
     // One of its four loops has nothing to do with it, and one span is enough, of three each way.
     assert_eq!((model.faces()[0].loops.len(), model.surfaces()[0].control_counts()), (3, [4, 4]));
+    // Of the program little is left, and the loop whose end is wrong is in it.
+    let [whole, small, other] = ["program-0.wgsl", "small-0.wgsl", "small-0-other.wgsl"].map(read);
+    let [before, after] = [&whole, &small].map(|program| program.lines().count());
+    assert!(after * 4 < before, "{after} lines of {before}: {small}");
+    assert!(small.contains("j <= q") && other != small && is_legal(&small) && is_legal(&other), "{small}");
+    assert!(read("README.md").contains("`small-N.wgsl` are what is left"), "{}", read("README.md"));
     std::fs::remove_dir_all(&folder).expect("it is there");
+}
+
+/// Two functions, of which one has nothing to do with a sum.
+const PROGRAM: &str = "fn far(x: f32) -> f32 {\n let y = x * 2.0;\n return y + 1.0;\n}\n\
+    fn near(x: f32) -> f32 {\n var sum = 0.0;\n for (var i = 0u; i < 4u; i += 1u) {\n  sum += x;\n }\n return sum;\n}\n\
+    @fragment\nfn entry(@location(0) x: f32) -> @location(0) vec4<f32> {\n let a = far(x);\n var b = near(x);\n\
+    if (a > 1.0) {\n  b = a;\n } else {\n  b = b + sqrt(b);\n }\n return vec4<f32>(a, b, 0.0, 1.0);\n}\n";
+
+#[test]
+fn of_a_program_what_has_nothing_to_do_with_it_goes_and_what_has_stays() {
+    let small = shrunk(PROGRAM, &[], &mut |program| program.contains("sum += x") && program.contains("near(x)"));
+    assert!(is_legal(&small), "{small}");
+    assert!(!["far", "sqrt", "if", "else"].iter().any(|gone| small.contains(gone)), "{small}");
+    assert!(["sum += x", "near(x)", "for ", "fn entry"].iter().all(|left| small.contains(left)), "{small}");
+    // The checker itself: where nothing may change nothing does.
+    assert_eq!(shrunk(PROGRAM, &[], &mut |_| false), PROGRAM);
 }

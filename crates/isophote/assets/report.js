@@ -20,7 +20,8 @@ const KINDS = ["position", "normal", "curvature"];
 
 // One row for each subject of each case.
 const subjectById = new Map(report.subjects.map((subject) => [subject.id, subject]));
-const outcomeState = (outcome) => (outcome.error ? "partial" : outcome.pairs.every((pair) => pair.agree) ? "agree" : "differ");
+const outcomeState = (outcome) => (outcome.error ? "partial" : outcome.pairs.every((pair) => pair.agree) && !outcome.bits?.unlike ? "agree" : "differ");
+const otherBits = ({ bits }) => (bits?.first ? [`other bits than the CPU rasterizer's: ${bits.first}`] : []);
 const shares = (pairs) => KINDS.map((kind) => Math.max(0, ...pairs.map((pair) => pair[kind].max)));
 const rows = [];
 for (const entry of report.cases) {
@@ -33,7 +34,7 @@ for (const entry of report.cases) {
       differing: pairs.reduce((sum, pair) => sum + pair.differing, 0),
       unbounded: Math.max(0, ...pairs.map((pair) => pair.unbounded)),
       undecided: entry.undecided, shares: shares(pairs), across: across ? across[0] : 0,
-      reasons: outcome.error ? [outcome.error] : [...new Set(pairs.flatMap((pair) => pair.reasons))],
+      reasons: outcome.error ? [outcome.error] : [...new Set([...pairs.flatMap((pair) => pair.reasons), ...otherBits(outcome)])],
     });
   }
 }

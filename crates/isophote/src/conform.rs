@@ -12,7 +12,7 @@ pub mod own;
 pub mod page;
 pub mod table;
 
-pub use suite::{corpus, report, run, shard, wrong};
+pub use suite::{bits, corpus, report, run, shard, wrong};
 
 use crate::terminal;
 use answer::{OutputArgs, claim, finish};
@@ -26,6 +26,7 @@ use shard::Shard;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
+use suite::stage;
 
 /// Run the conformance suite on a GPU, and write a report
 ///
@@ -43,6 +44,7 @@ Examples:
   isophote conform                                17 s on two cores
   isophote conform --suite standard --shard 1/3   a third, on one of three machines
   isophote conform merge conform-* --out conform  join them
+  isophote conform --path strict                  the CPU's bits on a GPU
   isophote conform --models parts                 your own files, each a scene
   isophote conform export scenes                  for a renderer of your own,
   isophote conform judge scenes                   and its verdict
@@ -80,6 +82,11 @@ pub struct RunArgs {
     /// How much of the corpus
     #[arg(long, value_enum, default_value = "smoke")]
     suite: Suite,
+    /// How the GPU draws: by its rasterizer, or by strict programs, which must have the CPU rasterizer's bits
+    ///
+    /// Strict programs take minutes to compile. docs/strict.md says what they cover.
+    #[arg(long, value_enum, default_value_t)]
+    path: DrawnBy,
     /// Run part K of N only; `conform merge` joins the parts
     #[arg(long, value_name = "K/N", default_value = "1/1")]
     shard: Shard,
@@ -87,6 +94,16 @@ pub struct RunArgs {
     models: OwnArgs,
     #[command(flatten)]
     output: OutputArgs,
+}
+
+/// How the GPU draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum DrawnBy {
+    /// By its own rasterizer
+    #[default]
+    Fragment,
+    /// By kernels with the CPU rasterizer's bits
+    Strict,
 }
 
 /// What plays a picture's commands.
@@ -110,8 +127,12 @@ pub fn run(args: &ConformArgs) -> Result<ExitCode> {
         Some(ConformCommand::Judge(args)) => return foreign::judge(args),
         Some(ConformCommand::Page(args)) => return page::run(args).map(|()| ExitCode::SUCCESS),
     }
-    let RunArgs { adapter, hosts, dawn, suite, shard, models, output } = &args.run;
-    let plans = Plans { suite: *suite, scenes: models.scenes(*suite), shard: *shard };
+    let RunArgs { adapter, hosts, dawn, suite, path, shard, models, output } = &args.run;
+    let path = match path {
+        DrawnBy::Fragment => stage::Path::Fragment,
+        DrawnBy::Strict => stage::Path::Strict,
+    };
+    let plans = Plans { suite: *suite, scenes: models.scenes(*suite), shard: *shard, path };
     let (mut adapters, mut absent): (Vec<Box<dyn Adapter>>, Vec<report::Subject>) = (vec![], vec![]);
     let once = hosts.iter().enumerate().filter(|(place, host)| !hosts[..*place].contains(host));
     for (_, host) in once {

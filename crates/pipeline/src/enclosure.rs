@@ -26,10 +26,14 @@
 //! Midpoints and bounds are computed in f64, whose own roundings are those of the same program 2³⁰ times smaller: the
 //! bounds are widened by 2⁻²⁰ of themselves and 2⁻³⁰ of the coarse radius, which covers them.
 //!
+//! Each rule is certified by a machine (`certificates/` of this crate): Gappa proves it, and that half of it is too little.
+//!
 //! We do without an interval crate. Plain intervals lose a factor of ten here, where each basis function occurs in
 //! twelve results and each result in the next; `inari` would build GMP and MPFR besides.
 
 mod basis;
+#[cfg(test)]
+mod certificates;
 mod error;
 mod place;
 mod tail;
@@ -50,6 +54,12 @@ use tensor::{ORDERS, Sums};
 
 /// A normal whose half-width exceeds this in a coordinate is not bounded: a pole is near.
 pub const USELESS: f64 = 0.25;
+
+/// What bounds are widened by, of themselves: roundings of the second order, and what f64 loses of a bound.
+const WIDENING: f64 = 1.0 / (1 << 20) as f64;
+
+/// An operation in f64 loses of a midpoint this share of what one in f32 may lose.
+const COARSE: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// An interval of one number.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -186,8 +196,8 @@ impl<const CAPACITY: usize> Run<'_, CAPACITY> {
             basis.sweep(adjoint, self.second, &mut budget);
         }
         std::array::from_fn(|k| {
-            let coarse = results[k].map_or(0.0, |number| number.radius) / (1u64 << 30) as f64;
-            let bound = budget.of(k) * (1.0 + 1.0 / (1 << 20) as f64);
+            let coarse = results[k].map_or(0.0, |number| number.radius) * COARSE;
+            let bound = budget.of(k) * (1.0 + WIDENING);
             Error { rounding: bound.rounding + coarse, packing: bound.packing + coarse }
         })
     }

@@ -1,7 +1,7 @@
 //! The corpus: portable scenes, each named by what it stresses, and what a suite takes of them.
 
 use crate::named;
-use crate::stage::Plan;
+use crate::stage::{Path, Plan};
 use glam::DVec3;
 use pipeline::Scheme;
 use pipeline::mask::{MaskOptions, Trimming};
@@ -199,8 +199,8 @@ pub struct PlannedCase {
 }
 
 impl Corpus {
-    /// What `scenes` are in a suite. One whose model cannot be read is a single case, which will say why.
-    pub fn new(suite: Suite, scenes: &[&'static Scene]) -> Self {
+    /// What `scenes` are in a suite, drawn by a path. One whose model cannot be read is a single case, which will say why.
+    pub fn new(suite: Suite, scenes: &[&'static Scene], path: Path) -> Self {
         let (side, viewport) = (suite.side(), suite.viewport());
         let mut corpus = Self { suite, scenes: vec![], cases: vec![], hash: String::new() };
         let mut hash = files::Hash::new();
@@ -224,7 +224,7 @@ impl Corpus {
             };
             for &viewpoint in suite.viewpoints(scene) {
                 let camera = viewpoint.camera(&model, viewport);
-                for plan in suite.plans(scene) {
+                for plan in suite.plans_by(scene, path) {
                     let key = scene.key(viewpoint, plan);
                     let options = scene.options(&camera, viewport, plan);
                     add(&format!("{key} {options}"));
@@ -313,6 +313,11 @@ impl Suite {
         let trim = if scene.masked { Trimming::Texture(MaskOptions::default()) } else { Trimming::Exact };
         let plan = |technique| schemes.iter().map(move |&scheme| Plan { technique, scheme, trim, ..Plan::default() });
         scene.techniques.iter().copied().flat_map(plan).collect()
+    }
+
+    /// The same by another path.
+    pub fn plans_by(self, scene: &Scene, path: Path) -> Vec<Plan> {
+        self.plans(scene).into_iter().map(|plan| Plan { path, ..plan }).collect()
     }
 }
 
@@ -413,8 +418,9 @@ pub fn command_options(camera: &Camera, viewport: Viewport, plan: Plan) -> Strin
         Projection::Perspective { fov_deg } => format!("--fov {fov_deg}"),
         Projection::Orthographic { height } => format!("--ortho {height}"),
     };
+    let path = if plan.path == Path::Strict { " --path strict" } else { "" };
     format!(
-        "--eye {eye} --target {target} --up {up} {projection} --size {}x{} --technique {} --scheme {} --trim {}",
+        "--eye {eye} --target {target} --up {up} {projection} --size {}x{} --technique {} --scheme {} --trim {}{path}",
         viewport.width(),
         viewport.height(),
         plan.technique.name(),

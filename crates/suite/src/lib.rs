@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod bits;
 pub mod corpus;
 pub mod difference;
 pub mod embedded;

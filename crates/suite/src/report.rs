@@ -3,8 +3,10 @@
 //! `report.json` is the one source of the table, the JUnit file and the HTML page. Whether a run is complete is never
 //! stored: it follows from what was planned and what is there, so that a run that was killed says so by itself.
 
+use crate::bits::Bits;
 use crate::corpus::{CaseKey, SceneInfo, Suite};
 use crate::shard::Shard;
+use crate::stage::Path as DrawnBy;
 use crate::wrong::Vacuity;
 use anyhow::{Context, Result, bail};
 use compare::{Histogram, PairReport, Verdict};
@@ -37,6 +39,9 @@ pub struct Report {
     pub program: String,
     /// Which suite.
     pub suite: Suite,
+    /// How the GPU draws.
+    #[serde(default, skip_serializing_if = "DrawnBy::is_default")]
+    pub path: DrawnBy,
     /// The part of the suite that is expected here: the whole, where shards were merged.
     pub shard: Shard,
     /// The runs that this comes from: one, or those merged.
@@ -130,6 +135,12 @@ pub struct Outcome {
     /// Pixels that are not, to the last bit, those of the first GPU subject; none for that one, or where it drew nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unlike: Option<usize>,
+    /// Where --path strict asks for the CPU rasterizer's bits: how far it has them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bits: Option<Bits>,
+    /// A hash of all bits of its G-buffer, where --path strict asks for them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hash: Option<String>,
     /// Its picture as a `data:` URI, where pictures are kept.
     pub picture: Option<String>,
     /// Why it could not be judged.
@@ -310,10 +321,11 @@ impl Pair {
 }
 
 impl Outcome {
-    /// Whether it agrees, and no picture made wrong of its own does.
+    /// Whether it agrees, to the bit where that is asked, and no picture made wrong of its own does.
     pub fn state(&self) -> State {
         let is_judged = self.wrong.as_ref().is_none_or(|wrong| wrong.missed.is_empty());
-        match (&self.error, is_judged && self.pairs.iter().all(|pair| pair.agree)) {
+        let is_same = self.bits.as_ref().is_none_or(|bits| bits.unlike == 0);
+        match (&self.error, is_judged && is_same && self.pairs.iter().all(|pair| pair.agree)) {
             (Some(_), _) => State::NotRun,
             (None, true) => State::Agree,
             (None, false) => State::Differ,

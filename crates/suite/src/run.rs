@@ -1,12 +1,13 @@
 //! A run: each case rendered by ray caster and CPU rasterizer once, by each adapter, and compared in all pairs.
 
+use crate::bits::Bits;
 use crate::corpus::{Corpus, Scene, Suite, Viewpoint};
 use crate::difference::Map;
 use crate::embedded::data_uri;
 use crate::progress::{progress, step};
 use crate::report::{Case, Outcome, Pair, Report, SCHEMA, SCHEMA_VERSION, Source, Subject};
 use crate::shard::Shard;
-use crate::stage::{OnGpu, Plan, Stage};
+use crate::stage::{OnGpu, Path, Plan, Stage};
 use crate::wrong::Vacuity;
 use anyhow::{Context, Result};
 use compare::PairReport;
@@ -146,6 +147,8 @@ pub struct Plans {
     pub scenes: Vec<&'static Scene>,
     /// The part of them that is run.
     pub shard: Shard,
+    /// How the GPU draws; by [`Path::Strict`] it must have the CPU rasterizer's bits.
+    pub path: Path,
 }
 
 impl Plans {
@@ -165,6 +168,7 @@ impl Plans {
             schema_version: SCHEMA_VERSION,
             program: env!("CARGO_PKG_VERSION").to_owned(),
             suite: self.suite,
+            path: self.path,
             shard: self.shard,
             sources: vec![source],
             corpus: corpus.hash,
@@ -178,7 +182,7 @@ impl Plans {
 
     /// What a report of this, of any of its shards, must be of.
     pub fn corpus(&self) -> Corpus {
-        Corpus::new(self.suite, &self.scenes)
+        Corpus::new(self.suite, &self.scenes, self.path)
     }
 
     /// The scenes of its shard.
@@ -254,7 +258,7 @@ impl Plans {
             let viewport = self.suite.viewport();
             let camera = viewpoint.camera(&model, viewport);
             let raycast = caster.render(&camera, viewport, &|_| {});
-            for (number, plan) in self.suite.plans(scene).into_iter().enumerate() {
+            for (number, plan) in self.suite.plans_by(scene, self.path).into_iter().enumerate() {
                 let pictured = number == 0 && viewpoint == scene.viewpoints[0];
                 // The judge looks at values, not at the program that they come of.
                 let tries_wrong = self.suite == Suite::Full && plan.scheme == Scheme::Specialised;
@@ -316,6 +320,8 @@ impl Sitting<'_> {
                         Err(error) => outcome.error = Some(format!("{error:#}")),
                     }
                 }
+                let hash = |buffer: &GBuffer| (plan.path == Path::Strict).then(|| buffer.hash().to_string());
+                outcome.hash = hash(&raster);
                 case.outcomes.push(outcome);
                 let leader = adapters.first().map(|adapter| adapter.subject().id);
                 let mut first: Option<GBuffer> = None;
@@ -331,7 +337,8 @@ impl Sitting<'_> {
                             let OnGpu { gbuffer: drawn, moves_px, .. } = drawn;
                             let outcome = self.outcome(&stage, &id, (&drawn, moves_px), Some(&raster), started);
                             let unlike = first.as_ref().map(|first| unlike(first, &drawn));
-                            case.outcomes.push(Outcome { unlike, ..outcome });
+                            let bits = (plan.path == Path::Strict).then(|| Bits::new(&raster, &drawn));
+                            case.outcomes.push(Outcome { unlike, bits, hash: hash(&drawn), ..outcome });
                             if leader.as_ref() == Some(&id) {
                                 first = Some(drawn);
                             }
@@ -342,6 +349,8 @@ impl Sitting<'_> {
                             pairs: vec![],
                             wrong: None,
                             unlike: None,
+                            bits: None,
+                            hash: None,
                             picture: None,
                             error: Some(why),
                         }),

@@ -7,7 +7,7 @@
 use super::arithmetic::{Arithmetic, Direction, Fault};
 use super::machine::Machine;
 use super::program::{Program, Source};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use bytemuck::cast_slice;
 use compare::ATTRIBUTE_ULPS;
 use gbuffer::{GBuffer, Hit};
@@ -110,7 +110,7 @@ impl<'s> Scene<'s> {
     /// The G-buffer of an adapter; the same for any number of threads.
     ///
     /// # Errors
-    /// Where a program does not end, or cannot be run.
+    /// Where a program does not end, cannot be run, or shows a face that is not there.
     pub fn draw(&self, adapter: Adapter) -> Result<GBuffer> {
         let is_exact = self.stage.prepared.mesh().is_none();
         let entries: &[&str] = if is_exact { &CALLED } else { &["fragment_gbuffer"] };
@@ -130,6 +130,12 @@ impl<'s> Scene<'s> {
                 let arithmetic = Arithmetic::new(seed, adapter.direction, adapter.fault);
                 machines.values_mut().for_each(|machine| machine.arithmetic = arithmetic.clone());
                 let (fragment, is_undecided) = self.pixel(&mut machines, [x, y])?;
+                if let Some(Fragment { face, .. }) = fragment {
+                    ensure!(
+                        (face as usize) < self.stage.scene.faces().len(),
+                        "({x}, {y}) shows a face that is not there"
+                    );
+                }
                 let ray = self.stage.camera.ray(self.stage.viewport, x as f64 + 0.5, y as f64 + 0.5);
                 pixels.push((fragment.map(|fragment| self.stage.scene.hit(&fragment, &ray)), is_undecided));
             }

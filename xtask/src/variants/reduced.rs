@@ -3,22 +3,37 @@
 //! First the picture becomes smaller: the same camera with fewer pixels. Then faces fall away, half of them at a time and at last
 //! one at a time, and with them the surfaces that nobody shows. Then loops fall away, surfaces are cut down to a part of their spans,
 //! and with them their control points. At last the program loses what nothing in it uses. Each step is judged anew.
+//!
+//! Then functions lose statements ([`bodies`](super::bodies)). A program that does less gives another picture by right, so the judge has
+//! nothing to say there. It is drawn twice, in its own words and in the others: these mean the same, and still come out far apart.
 
+use super::bodies::shrunk;
+use super::variant;
 use super::wording::{Opened, Wording, Wrong};
 use crate::legal::Judged;
+use crate::mutants::capped::capped;
 use anyhow::{Context, Result};
+use gbuffer::{GBuffer, Hit};
 use isophote::capsule::recorded;
 use isophote::conform::corpus::command_options;
 use isophote::output;
 use isophote::stage::{Plan, Stage};
 use nurbs::{Direction, Surface};
+use pipeline::wgsl::{self, Variant};
 use raycast::Caster;
 use scene::{Camera, Face, Model, Viewport};
-use std::collections::BTreeSet;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Sides of pictures that are tried, pixels.
 const SIDES: [usize; 6] = [1, 2, 3, 4, 6, 8];
+
+/// A picture's numbers that are farther apart than this share of the model's size, or of a number's own, are so by no rounding.
+const APART: f64 = 1.0 / 1024.0;
+
+/// Programs that do less, by their whole text.
+type Bodies = BTreeMap<String, String>;
 
 /// What is drawn.
 struct Case {
@@ -59,6 +74,7 @@ struct Reduction<'h> {
     wrong: Wrong,
     wording: Wording,
     host: &'h Opened,
+    bodies: Bodies,
 }
 
 impl Reduction<'_> {
@@ -132,6 +148,88 @@ impl Reduction<'_> {
     }
 }
 
+/// A program as it is after reduction: in its own words, and in the others that mean the same.
+struct Pair {
+    right: String,
+    other: String,
+}
+
+impl Pair {
+    /// By the seed of a wording, or with its fault alone where `is_plain`.
+    fn new(body: &str, wording: Wording, host: &Opened, is_plain: bool) -> Self {
+        let faulty = wording.fault.map_or(body.to_owned(), |fault| fault.put(body));
+        let is_plain = is_plain && wording.fault.is_some();
+        let other = if is_plain { faulty } else { variant::variant(&faulty, wording.seed, host.called()) };
+        Self { right: body.to_owned(), other: variant::lean(&other, host.called()) }
+    }
+}
+
+impl Reduction<'_> {
+    /// Takes statements out of the programs.
+    fn fewer_statements(&mut self) {
+        let Ok(stage) = Stage::new(&self.case.model, self.case.camera, self.case.viewport, self.case.plan) else {
+            return;
+        };
+        let sources = RefCell::new(BTreeSet::new());
+        let source = |variant: Variant| {
+            let whole = wgsl::source(variant);
+            sources.borrow_mut().insert(whole.clone());
+            whole
+        };
+        if self.host.draw(&stage, &source).is_err() {
+            return;
+        }
+        let mut bodies = Bodies::new();
+        for whole in sources.into_inner() {
+            let small = shrunk(&whole, self.host.called(), &mut |candidate| {
+                let tried = bodies.iter().map(|(whole, small)| (whole.clone(), small.clone()));
+                let tried = tried.chain([(whole.clone(), candidate.to_owned())]).collect();
+                self.is_apart(&stage, &tried, true)
+            });
+            bodies.insert(whole, small);
+        }
+        // In the words of the seed, too.
+        if self.is_apart(&stage, &bodies, false) {
+            self.bodies = bodies;
+        }
+    }
+
+    /// Whether the programs that do less give pictures that are far apart, in their own words and in the others.
+    fn is_apart(&self, stage: &Stage, bodies: &Bodies, is_plain: bool) -> bool {
+        let drawn = |of: fn(Pair) -> String| {
+            let source = |variant: Variant| {
+                let whole = wgsl::source(variant);
+                let body = bodies.get(&whole).unwrap_or(&whole);
+                capped(&of(Pair::new(body, self.wording, self.host, is_plain)))
+            };
+            self.host.draw(stage, &source)
+        };
+        let (Ok(right), Ok(other)) = (drawn(|pair| pair.right), drawn(|pair| pair.other)) else { return false };
+        are_apart(&right, &other, stage.model.hull().diagonal())
+    }
+}
+
+/// Whether some pixel of two pictures of a model is far apart.
+fn are_apart(a: &GBuffer, b: &GBuffer, size: f64) -> bool {
+    let near = |x: f64, y: f64, unit: f64| (x - y).abs() <= APART * unit.max(x.abs());
+    let alike = |a: &Hit, b: &Hit| {
+        let positions = a.position.to_array().into_iter().zip(b.position.to_array());
+        let curvatures = match (a.curvature, b.curvature) {
+            (Some(a), Some(b)) => near(a.k1, b.k1, 1.0 / size) && near(a.k2, b.k2, 1.0 / size),
+            (a, b) => a.is_some() == b.is_some(),
+        };
+        let normals = match (a.normal.unit(), b.normal.unit()) {
+            (Some(a), Some(b)) => near(a.distance(b), 0.0, 1.0),
+            (a, b) => a.is_some() == b.is_some(),
+        };
+        curvatures && normals && positions.into_iter().all(|(x, y)| near(x, y, size))
+    };
+    a.pixels().zip(b.pixels()).any(|pair| match pair {
+        (Some(a), Some(b)) => !alike(a, b),
+        (a, b) => a.is_some() != b.is_some(),
+    })
+}
+
 /// The two halves of a surface's spans; `None` where it has one.
 fn halves(surface: &Surface, direction: Direction) -> Option<[[f64; 2]; 2]> {
     let knots = surface.knots(direction);
@@ -150,21 +248,27 @@ pub fn write(folder: &Path, stage: &Stage, wording: Wording, host: &Opened) -> R
     let Stage { camera, viewport, plan, .. } = *stage;
     let case = Case { model: stage.model.clone(), camera, viewport, plan };
     let wrong = case.wrong(wording, host).context("drawn again it does not differ")?;
-    let mut reduction = Reduction { case, wrong, wording, host };
+    let mut reduction = Reduction { case, wrong, wording, host, bodies: Bodies::new() };
     reduction.fewer_pixels()?;
     reduction.fewer_faces();
     reduction.fewer_loops();
     reduction.fewer_spans();
     reduction.fewer_declarations();
+    reduction.fewer_statements();
     written(folder, &reduction)
 }
 
-fn written(folder: &Path, Reduction { case, wrong, wording, host }: &Reduction) -> Result<()> {
+fn written(folder: &Path, Reduction { case, wrong, wording, host, bodies }: &Reduction) -> Result<()> {
     output::folder(folder)?;
     let file = |name: &str, text: String| std::fs::write(folder.join(name), text).with_context(|| name.to_owned());
     file("model.json", formats::json::write(&case.model)?)?;
     for (i, program) in wrong.programs.iter().enumerate() {
         file(&format!("program-{i}.wgsl"), program.clone())?;
+    }
+    for (i, body) in bodies.values().enumerate() {
+        let Pair { right, other } = Pair::new(body, *wording, host, false);
+        file(&format!("small-{i}.wgsl"), right)?;
+        file(&format!("small-{i}-other.wgsl"), other)?;
     }
     if let Opened::Gpu(device) = host {
         let stage = Stage::new(&case.model, case.camera, case.viewport, case.plan)?;
@@ -180,12 +284,22 @@ fn written(folder: &Path, Reduction { case, wrong, wording, host }: &Reduction) 
     let options = command_options(&case.camera, case.viewport, case.plan);
     let Wording { seed, fault, .. } = *wording;
     let planted = fault.map_or(String::new(), |fault| format!("\nThe fault `{fault:?}` was put into it on purpose.\n"));
+    let lines =
+        |programs: &mut dyn Iterator<Item = &String>| programs.map(|program| program.lines().count()).sum::<usize>();
+    let [whole, small] = [lines(&mut bodies.keys()), lines(&mut bodies.values())];
+    let small = match small {
+        0 => String::new(),
+        _ => format!(
+            "The programs `small-N.wgsl` are what is left of them: {small} of {whole} lines. They no longer draw the surface. `small-N-other.wgsl` \
+             means the same in other words, and at the same place it gives another picture.\n\n"
+        ),
+    };
     file(
         "README.md",
         format!(
             "# A program in other words gives another picture\n\n\
              Drawn by {host}, with the WGSL of seed {seed}, one of {count} program(s) a file: `program-N.wgsl`.\n{planted}\n\
-             What differs: {why}\n\n\
+             What differs: {why}\n\n{small}\
              The same picture by the program in its own words:\n\n\
              ```sh\nisophote compare model.json {options}\n```\n"
         ),

@@ -24,7 +24,7 @@ pub enum Fault {
 
 impl Fault {
     /// The text with the fault in it.
-    fn put(self, program: &str) -> String {
+    pub fn put(self, program: &str) -> String {
         let (right, wrong) = match self {
             Self::Reassociation => ("sqrt(x * x + b * b)", "sqrt(mean * mean - (a * c - b * b))"),
             Self::Clamp => ("let inside = min(max(uv, piece.rectangle.xy), piece.rectangle.zw);", "let inside = uv;"),

@@ -5,7 +5,7 @@ use super::args::CompareArgs;
 use super::next::Next;
 use super::page::Page;
 use super::pictures::Pictures;
-use super::report::{Report, Strict};
+use super::report::Report;
 use super::table;
 use crate::antialias::{Antialias, SampleReport};
 use crate::masks::MaskReport;
@@ -17,13 +17,14 @@ use formats::{Document, Note};
 use gbuffer::{GBuffer, Meta, Shading};
 use raycast::Caster;
 use std::process::ExitCode;
+use suite::bits::Bits;
 use suite::stage::{Path, Plan, Rendered, ShadedReport, Stage};
 
 /// What one sample shows, without its G-buffers: a picture of many samples holds those of one at a time.
 struct Sample {
     pairs: Vec<PairReport>,
     shaded: Option<ShadedReport>,
-    strict: Option<Strict>,
+    strict: Option<Bits>,
     pictures: Pictures,
     undecided: usize,
     /// The facts of the GPU's buffer, or why there is none.
@@ -50,7 +51,7 @@ pub(super) fn run(args: &CompareArgs, asked: &ModelArgs) -> Result<ExitCode> {
     let pairs: Vec<PairReport> = (0..count).filter_map(pair).collect();
     let gpu: Result<Vec<Meta>, String> = found.iter().map(|sample| sample.gpu.clone()).collect();
     let shaded = gpu.is_ok().then(|| ShadedReport::of_samples(found.iter().filter_map(|sample| sample.shaded.clone())));
-    let strict = Strict::of_samples(found.iter().filter_map(|sample| sample.strict.clone()));
+    let strict = Bits::of_all(found.iter().filter_map(|sample| sample.strict.clone()));
     let meta = gpu.as_ref().ok().and_then(|metas| metas.first());
     let report = Report {
         schema_version: SCHEMA_VERSION,
@@ -149,7 +150,7 @@ impl Sample {
         Ok(Self {
             pairs: stage.compare(caster, rendered)?,
             shaded,
-            strict: strict.map(|gpu| Strict::new(raster, &gpu.gbuffer)),
+            strict: strict.map(|gpu| Bits::new(raster, &gpu.gbuffer)),
             pictures,
             undecided: raycast.undecided(),
             gpu: gpu.map(|gpu| gpu.gbuffer.meta().clone()).map_err(String::clone),

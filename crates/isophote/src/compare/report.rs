@@ -5,8 +5,8 @@ use crate::antialias::SampleReport;
 use crate::approximate::Approximation;
 use crate::masks::MaskReport;
 use compare::{PairReport, Verdict};
-use gbuffer::GBuffer;
 use serde::Serialize;
+use suite::bits::Bits;
 use suite::stage::ShadedReport;
 
 /// What the comparison found.
@@ -37,33 +37,11 @@ pub(super) struct Report<'a> {
     pub shaded: Option<ShadedReport>,
     /// The GPU's bits against the rasterizer's, where --path strict asks for the same ones.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub strict: Option<Strict>,
+    pub strict: Option<Bits>,
     /// Why the GPU did not run.
     pub gpu_not_run: Option<String>,
     /// Pixels that the ray caster could not decide.
     pub undecided: usize,
-}
-
-/// How far the GPU has the CPU rasterizer's bits.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub(super) struct Strict {
-    /// Pixels of which any number has other bits, of all samples together.
-    pub unlike: usize,
-    /// Which arrays, how often, and the first number, of the first sample that has any.
-    pub first: Option<String>,
-}
-
-impl Strict {
-    /// What two buffers of one picture come to.
-    pub fn new(raster: &GBuffer, gpu: &GBuffer) -> Self {
-        let unlike = raster.unlike(gpu);
-        Self { unlike: unlike.pixels, first: (unlike.pixels > 0).then(|| unlike.to_string()) }
-    }
-
-    /// Of all samples; `None` where there are none.
-    pub fn of_samples(samples: impl Iterator<Item = Self>) -> Option<Self> {
-        samples.reduce(|a, b| Self { unlike: a.unlike + b.unlike, first: a.first.or(b.first) })
-    }
 }
 
 impl Report<'_> {

@@ -4,9 +4,11 @@
 use anyhow::{Context, Result, bail, ensure};
 use compare::{Cause, Counts, Verdict};
 use std::collections::{BTreeMap, BTreeSet};
+use suite::bits::Bits;
 use suite::corpus::{CaseKey, Corpus, PlannedCase};
 use suite::report::{Case, Outcome, Pair, Report, Subject};
 use suite::run::CPU;
+use suite::stage::Path as DrawnBy;
 use suite::wrong::Vacuity;
 
 /// How a picture begins: nothing else may stand in the page.
@@ -75,6 +77,8 @@ fn check_case(report: &Report, case: &Case, planned: &PlannedCase, unbounded_sha
             bail!("{} is not a subject, or there twice", outcome.subject);
         };
         check_outcome(outcome, subject, pixels, &case.key.technique, unbounded_share)?;
+        let asks = report.path == DrawnBy::Strict && subject.kind != "cpu" && outcome.error.is_none();
+        ensure!(asks == outcome.bits.is_some(), "{}: its bits are told, or not, against its path", subject.name);
     }
     Ok(())
 }
@@ -88,6 +92,7 @@ fn check_outcome(
 ) -> Result<()> {
     check_picture(&outcome.picture)?;
     outcome.wrong.as_ref().map_or(Ok(()), check_wrong)?;
+    check_bits(outcome, pixels)?;
     let unlike = outcome.unlike.unwrap_or(0);
     ensure!(unlike <= pixels, "{unlike} pixels are unlike another's, of {pixels}");
     let expected: &[[&str; 2]] = match subject.kind.as_str() {
@@ -105,6 +110,15 @@ fn check_outcome(
     for pair in &outcome.pairs {
         check_pair(pair, pixels, technique, unbounded_share)
             .with_context(|| format!("{} | {}", pair.reference, pair.candidate))?;
+    }
+    Ok(())
+}
+
+/// The bits that --path strict asks for are counted, and of no more pixels than there are.
+fn check_bits(outcome: &Outcome, pixels: usize) -> Result<()> {
+    if let Some(Bits { unlike, first }) = &outcome.bits {
+        ensure!(*unlike <= pixels, "{unlike} pixels have other bits, of {pixels}");
+        ensure!((*unlike > 0) == first.is_some(), "{unlike} pixels have other bits, and the first is {first:?}");
     }
     Ok(())
 }

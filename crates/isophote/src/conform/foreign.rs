@@ -19,7 +19,7 @@ use suite::embedded::data_uri;
 use suite::report::{Case, Outcome, Pair, Report, Subject};
 use suite::run::{Plans, host};
 use suite::shard::Shard;
-use suite::stage::Plan;
+use suite::stage::{Path as DrawnBy, Plan};
 
 /// Write the suite's scenes, for a renderer of your own to draw
 ///
@@ -168,7 +168,7 @@ pub fn judge(args: &JudgeArgs) -> Result<ExitCode> {
     let _lock = claim(&args.output.out, args.suite, Shard::WHOLE)?;
     let subject = foreign(&name);
     let scenes = args.suite.scenes().into_iter().filter(|scene| !scene.masked).collect();
-    let mut report = Plans { suite: args.suite, scenes, shard: Shard::WHOLE }.report(vec![]);
+    let mut report = Plans { suite: args.suite, scenes, shard: Shard::WHOLE, path: DrawnBy::default() }.report(vec![]);
     report.planned = views.iter().map(View::key).collect();
     report.sources.iter_mut().for_each(|source| source.subjects = vec![subject.id.clone()]);
     report.subjects = vec![subject];

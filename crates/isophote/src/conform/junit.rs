@@ -5,6 +5,7 @@ use anyhow::Result;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::io;
+use suite::bits::Bits;
 use suite::report::{Case, Outcome, Pair, Report, Subject};
 use suite::text::escaped;
 use suite::wrong::Vacuity;
@@ -99,6 +100,7 @@ fn test_cases(report: &Report, subject: &Subject) -> Vec<TestCase> {
             let seconds = if number == 0 { outcome.seconds } else { 0.0 };
             cases.push(of_pair(case, pair, seconds));
         }
+        cases.extend(outcome.bits.as_ref().map(|bits| of_bits(case, bits)));
         cases.extend(outcome.wrong.as_ref().map(|wrong| of_wrong(case, wrong)));
         if let Some(error) = &outcome.error {
             cases.push(of_error(case, outcome, error));
@@ -126,6 +128,18 @@ fn of_pair(case: &Case, pair: &Pair, seconds: f64) -> TestCase {
         Finding::Failed(pair.reasons.join(", "), body.join("\n"))
     };
     TestCase { name, class: class(&case.key.scene), seconds, outcome }
+}
+
+fn of_bits(case: &Case, bits: &Bits) -> TestCase {
+    let outcome = match &bits.first {
+        None => Finding::Passed,
+        Some(first) => {
+            let again = plain(&format!("{first}\nagain: isophote compare {}", case.options));
+            Finding::Failed(format!("{} pixels have other bits than the CPU rasterizer's", bits.unlike), again)
+        }
+    };
+    let (name, class) = (format!("{}: the same bits", case.key), class(&case.key.scene));
+    TestCase { name, class, seconds: 0.0, outcome }
 }
 
 fn of_wrong(case: &Case, wrong: &Vacuity) -> TestCase {

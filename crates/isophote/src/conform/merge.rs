@@ -40,8 +40,8 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         let path = if path.is_dir() { path.join("report.json") } else { path.clone() };
         read.push((Report::read(&path)?, path));
     }
-    let suite = read.first().map(|(report, _)| report.suite).context("nothing to merge")?;
-    let merged = merged(&read, &Corpus::new(suite, &args.models.scenes(suite)))?;
+    let (suite, path) = read.first().map(|(report, _)| (report.suite, report.path)).context("nothing to merge")?;
+    let merged = merged(&read, &Corpus::new(suite, &args.models.scenes(suite), path))?;
     let _lock = claim(&args.output.out, suite, Shard::WHOLE)?;
     finish(&merged, &args.output)
 }

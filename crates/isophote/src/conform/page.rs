@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use suite::corpus::Suite;
 use suite::run::Plans;
 use suite::shard::Shard;
-use suite::stage::Stage;
+use suite::stage::{Path as DrawnBy, Stage};
 
 const PAGE: &str = include_str!("../../../../hosts/browser/suite.html");
 const STYLES: [&str; 2] =
@@ -121,7 +121,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
         .map_err(anyhow::Error::from)
         .and_then(|bytes| bytes.starts_with(MODULE).then_some(bytes).context("no module of WebAssembly"))
         .with_context(|| format!("the judge, {}", args.judge.display()))?;
-    let plans = Plans { suite, scenes: suite.scenes(), shard };
+    let plans = Plans { suite, scenes: suite.scenes(), shard, path: DrawnBy::default() };
     let (mut packed, mut scenes) = (Packed::default(), vec![]);
     let bar = terminal::progress("conform page", plans.mine().count());
     for scene in plans.mine() {

@@ -5,6 +5,7 @@ use crate::terminal;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table};
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use suite::bits::Bits;
 use suite::report::{Outcome, Report, State, Subject};
 use suite::text::escaped;
 
@@ -62,6 +63,9 @@ pub fn text(report: &Report) -> String {
         let rows = rows(report, subject);
         if !rows.is_empty() {
             let _ = writeln!(out, "{}\n{HEADINGS}", table(&rows));
+        }
+        if let Some(line) = same_bits(report, subject) {
+            let _ = writeln!(out, "  {line}");
         }
         for (key, reason) in differences(report, subject) {
             let _ = writeln!(out, "  {}: {}", escaped(&key), escaped(&reason));
@@ -164,12 +168,28 @@ fn cells(row: &Row) -> Vec<Cell> {
     ]
 }
 
+/// How many pictures have the CPU rasterizer's bits, where that was asked.
+fn same_bits(report: &Report, subject: &Subject) -> Option<String> {
+    let bits: Vec<&Bits> = report.outcomes(&subject.id).filter_map(|(_, outcome)| outcome.bits.as_ref()).collect();
+    let same = bits.iter().filter(|bits| bits.unlike == 0).count();
+    let unlike: usize = bits.iter().map(|bits| bits.unlike).sum();
+    (!bits.is_empty()).then(|| {
+        format!(
+            "to the bit: {same} of {} pictures are the CPU rasterizer's; {unlike} pixels have other bits",
+            bits.len()
+        )
+    })
+}
+
 /// Each case that does not agree, and why.
 fn differences(report: &Report, subject: &Subject) -> Vec<(String, String)> {
     let mut found = vec![];
     for (case, outcome) in report.outcomes(&subject.id) {
         if let Some(error) = &outcome.error {
             found.push((case.key.to_string(), error.clone()));
+        }
+        if let Some(first) = outcome.bits.as_ref().and_then(|bits| bits.first.as_ref()) {
+            found.push((case.key.to_string(), format!("other bits than the CPU rasterizer's: {first}")));
         }
         for missed in outcome.wrong.iter().flat_map(|wrong| &wrong.missed) {
             found.push((case.key.to_string(), format!("made wrong, and does not differ: {missed}")));

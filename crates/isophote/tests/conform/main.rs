@@ -11,4 +11,5 @@ mod own;
 mod page;
 mod player;
 mod setting;
+mod strict;
 mod xsd;

@@ -6,7 +6,7 @@ use isophote::conform::corpus::{SCENES, Scene, Suite};
 use isophote::conform::report::{Case, Report, Subject};
 use isophote::conform::run::{Adapter, DrawError, Gpu, Plans};
 use isophote::conform::shard::Shard;
-use isophote::stage::{OnGpu, Stage};
+use isophote::stage::{OnGpu, Path as DrawnBy, Stage};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
@@ -25,7 +25,7 @@ pub fn scenes() -> Vec<&'static Scene> {
 }
 
 pub fn plans() -> Plans {
-    Plans { suite: Suite::Smoke, scenes: scenes(), shard: Shard::WHOLE }
+    Plans { suite: Suite::Smoke, scenes: scenes(), shard: Shard::WHOLE, path: DrawnBy::default() }
 }
 
 pub fn gpu() -> Gpu {
@@ -34,7 +34,11 @@ pub fn gpu() -> Gpu {
 
 /// Runs the three scenes on an adapter.
 pub fn run(adapter: Box<dyn Adapter>) -> Report {
-    let plans = plans();
+    run_plans(&plans(), adapter)
+}
+
+/// Runs what is planned on an adapter.
+pub fn run_plans(plans: &Plans, adapter: Box<dyn Adapter>) -> Report {
     let mut report = plans.report(vec![adapter.subject()]);
     plans.run(&mut [adapter], &mut report, &AtomicBool::new(false), &mut |_| Ok(())).expect("nothing to write");
     report
@@ -48,7 +52,7 @@ pub static DIFFERING: LazyLock<Report> = LazyLock::new(|| run(Box::new(Wrong(gpu
 
 /// A report of the whole smoke suite in which every case came out as the first of `like` did.
 pub fn smoke(like: &Report) -> Report {
-    let plans = Plans { suite: Suite::Smoke, scenes: Suite::Smoke.scenes(), shard: Shard::WHOLE };
+    let plans = Plans { scenes: Suite::Smoke.scenes(), ..plans() };
     let mut report = plans.report(vec![]);
     report.subjects = like.subjects.clone();
     report.sources = like.sources.clone();

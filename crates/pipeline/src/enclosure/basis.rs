@@ -14,7 +14,7 @@ pub(super) struct Functions<const CAPACITY: usize> {
     /// Coarse.
     pub radius: [f64; CAPACITY],
     /// Made by the operations that end here.
-    local: [Error; CAPACITY],
+    pub local: [Error; CAPACITY],
 }
 
 impl<const CAPACITY: usize> Functions<CAPACITY> {
@@ -219,7 +219,7 @@ fn last_remainder<const CAPACITY: usize>(last: &Column<CAPACITY>, curved: &Funct
 }
 
 /// p × gain × (term_{r−1} − term_r), `product` being the relative rounding of a term, which each difference may fuse or not.
-fn differences<const CAPACITY: usize>(
+pub(super) fn differences<const CAPACITY: usize>(
     term: &Functions<CAPACITY>,
     degree: usize,
     gain: f64,
@@ -248,7 +248,7 @@ fn differences<const CAPACITY: usize>(
 }
 
 /// Accuracy of 1 / width, relative: 2.5 ulp, where exactly known those of the lattice of f32 that lie inside.
-fn reciprocal_accuracy(reciprocal: f64, is_rounded: bool) -> f64 {
+pub(super) fn reciprocal_accuracy(reciprocal: f64, is_rounded: bool) -> f64 {
     let bits = reciprocal.to_bits();
     let power = f64::from_bits(bits & !((1 << 52) - 1));
     if is_rounded {
@@ -262,7 +262,7 @@ fn reciprocal_accuracy(reciprocal: f64, is_rounded: bool) -> f64 {
 }
 
 /// 2.5 ulp, relative, of a quotient whose divisor was rounded.
-const DIVISORS_ACCURACY: f64 = 2.5 * NEIGHBOUR * (1.0 + 2.0 * NEIGHBOUR);
+pub(super) const DIVISORS_ACCURACY: f64 = 2.5 * NEIGHBOUR * (1.0 + 2.0 * NEIGHBOUR);
 
 /// How far the narrowing of packing moves a knot. The ends of the span, 0 and 1, are exact.
 fn narrowed_knot(knot: f64) -> f64 {
@@ -270,6 +270,6 @@ fn narrowed_knot(knot: f64) -> f64 {
 }
 
 /// Relative error of 1 / width where the width is off by up to `error`.
-fn narrowing_of_reciprocal(error: f64, width: f64) -> f64 {
+pub(super) fn narrowing_of_reciprocal(error: f64, width: f64) -> f64 {
     error / (width - error)
 }

@@ -31,17 +31,30 @@ impl Parameter {
     /// All f32 that may have become `t` of the knot domain on the span from `start` to `end`, of which f64 may have lost `lost`.
     pub(super) fn of(t: f64, [start, end]: [f64; 2], lost: f64) -> Self {
         let local = (t - start) / (end - start);
-        let nearest = (local as f32).clamp(0.0, 1.0);
-        let widen = |x: f32| if x >= 1.0 { end } else { start + (end - start) * f64::from(x) };
         if lost < f64::from(f32::EPSILON) / 16.0 {
-            let [below, above] = [nearest.next_down(), nearest.next_up()].map(|x| x.clamp(0.0, 1.0));
-            let mut same = [below, nearest, above].into_iter().filter(|&x| widen(x) == t);
-            match (same.next(), same.next_back()) {
-                (Some(low), Some(high)) => Self { low, high },
-                (Some(only), None) => Self::exact(only),
-                (None, _) if widen(nearest) < t => Self { low: nearest, high: above },
-                (None, _) => Self { low: below, high: nearest },
-            }
+            // Many small ones become one t. Widening is monotone, so they are a run of f32, whose ends are found by halving.
+            let one = 1.0f32.to_bits();
+            let first = |is_there: &dyn Fn(f64) -> bool| {
+                let (mut low, mut high) = (0, one);
+                while low < high {
+                    let middle = low + (high - low) / 2;
+                    let widened = start + (end - start) * f64::from(f32::from_bits(middle));
+                    if is_there(widened) {
+                        high = middle;
+                    } else {
+                        low = middle + 1;
+                    }
+                }
+                low
+            };
+            let (from, beyond) = (first(&|widened| widened >= t), first(&|widened| widened > t));
+            let [low, high] = match (from < beyond, t == end) {
+                (true, true) => [from, one],
+                (true, false) => [from, beyond - 1],
+                (false, true) => [one, one],
+                (false, false) => [from.saturating_sub(1), from],
+            };
+            Self { low: f32::from_bits(low), high: f32::from_bits(high) }
         } else {
             let [low, high] = [local - lost, local + lost];
             Self { low: (low as f32).next_down().clamp(0.0, 1.0), high: (high as f32).next_up().clamp(0.0, 1.0) }

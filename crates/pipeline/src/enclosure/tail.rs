@@ -4,6 +4,9 @@ use super::error::NEIGHBOUR;
 use super::tape::{Number, Tape, plain, product};
 use crate::eval::{COLLAPSED, PARALLEL};
 
+/// Two products, in any order, relative; and as much again.
+pub(super) const THRESHOLD: f64 = 4.0 * NEIGHBOUR;
+
 /// What the program decides on a normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regularity {
@@ -118,7 +121,7 @@ fn quotients(tape: &mut Tape, sums: &[Option<[Number; 4]>; 6], s: [Number; 3], w
 /// The outcomes of `eval::is_regular`.
 fn regularity([n_squared, su_squared, sv_squared]: [Number; 3]) -> Regularity {
     let above = |x: Number, threshold: f64| {
-        let error = x.radius + 4.0 * NEIGHBOUR * threshold;
+        let error = x.radius + THRESHOLD * threshold;
         if x.value - error > threshold {
             Regularity::Regular
         } else if x.value + error <= threshold {

@@ -137,6 +137,6 @@ impl<const CAPACITY: usize> Sums<CAPACITY> {
 
 /// Roundings of `degree` + 1 products and their sum in any order: no partial sum exceeds the greater of the positive
 /// and the negative part, (Σ |terms| + |Σ terms|) / 2.
-fn roundings(degree: usize, size: f64, sum: f64) -> f64 {
+pub(super) fn roundings(degree: usize, size: f64, sum: f64) -> f64 {
     NEIGHBOUR * (size + degree as f64 * 0.5 * (size + sum)) * (1.0 + NEIGHBOUR)
 }

@@ -7,11 +7,13 @@ use gpu::Drawable;
 use pipeline::mask::{MaskPlan, Masks, Trimming};
 use pipeline::{PackedScene, Scheme};
 use scene::{Camera, Model, Viewport};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use techniques::{ByCompute, DEFAULT_CHORD_PX, Limits, Prepared, Setting, Technique};
 
 /// Who finds the triangles that the GPU shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Path {
     /// The rasterizer of the GPU; the program runs in the fragment stage
     #[default]
@@ -20,6 +22,7 @@ pub enum Path {
     Compute,
     /// Compute kernels, with 32-bit atomics
     #[value(name = "compute-32")]
+    #[serde(rename = "compute-32")]
     Compute32,
     /// Compute kernels with the CPU rasterizer's bits in all that they return, on every adapter; slow
     Strict,
@@ -65,6 +68,11 @@ impl Default for Plan {
 }
 
 impl Path {
+    /// Whether it is the one that is taken unless another is asked for.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// What is drawn in place of what is prepared of a scene; `None` where that itself is, or it has no triangles for kernels.
     pub fn drawn(self, device: &gpu::Device, prepared: &Arc<dyn Prepared>) -> Option<Box<dyn Drawable>> {
         let by_kernels = |drawn: ByCompute| -> Box<dyn Drawable> { Box::new(drawn) };

@@ -17,6 +17,7 @@ use shown::{Row, line, rows, word};
 use std::sync::atomic::AtomicBool;
 use suite::report::Report;
 use suite::run::{Adapter, Plans, absent, by_capsule};
+use suite::stage::Path;
 
 /// What is made of a request.
 #[derive(Serialize)]
@@ -44,7 +45,7 @@ pub fn verdict(request: &[u8]) -> Result<Vec<u8>> {
     let Request { suite, shard, report, scene, drawn_by, edges, moves_px, pictures, .. } = request;
     let grid = edges.map(|answer| measured(&answer, &files)).transpose()?.flatten();
     let moves_px = grid.map(Grid::moves_px).or(moves_px);
-    let plans = Plans { suite, scenes: suite.scenes(), shard };
+    let plans = Plans { suite, scenes: suite.scenes(), shard, path: Path::default() };
     let subject = match &drawn_by {
         DrawnBy::Host { host, platform } => by_capsule(host, platform),
         DrawnBy::Absent { why } => absent("WebGPU", why.clone()),

@@ -9,7 +9,7 @@ use suite::corpus::{Scene, Suite};
 use suite::report::{Report, State};
 use suite::run::{Adapter, Gpu, Plans};
 use suite::shard::Shard;
-use suite::stage::Stage;
+use suite::stage::{Path, Stage};
 
 type Files = BTreeMap<String, Vec<u8>>;
 
@@ -17,7 +17,8 @@ type Files = BTreeMap<String, Vec<u8>>;
 const SCENE: &str = "pole";
 
 fn plans() -> Plans {
-    Plans { suite: Suite::Smoke, scenes: Suite::Smoke.scenes(), shard: Shard::new(1, 18).expect("a shard") }
+    let shard = Shard::new(1, 18).expect("a shard");
+    Plans { suite: Suite::Smoke, scenes: Suite::Smoke.scenes(), shard, path: Path::default() }
 }
 
 /// A picture of the scene: the options of its case, its capsule, and what this machine's adapter makes of it.
