@@ -53,7 +53,7 @@ fn skirt_gbuffer(in: VertexOutput) -> SkirtGBufferOutput {
         discard;
     }
     let g = gbuffer_output(in.face, out.f, in.clip.xy);
-    return SkirtGBufferOutput(g.identity, g.position, g.normal, g.shape, out.depth);
+    return SkirtGBufferOutput(g.identity, g.position, g.normal, g.shape, skirt_depth(out, in.clip.z));
 }
 
 @fragment
@@ -80,5 +80,5 @@ fn skirt_shaded(in: VertexOutput) -> SkirtShadedOutput {
     if (!out.is_drawn) {
         discard;
     }
-    return SkirtShadedOutput(shaded_output(in.face, out.f, in.local), out.depth);
+    return SkirtShadedOutput(shaded_output(in.face, out.f, in.local), skirt_depth(out, in.clip.z));
 }

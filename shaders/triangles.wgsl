@@ -16,6 +16,8 @@ struct Shown {
     is_drawn: bool,
     // z / w of the place that a skirt shows, which may be far from its triangle; elsewhere the triangle has it.
     depth: f32,
+    // Whether the ray passes the face by: then a skirt has the farther depth, that of the place or that of its triangle.
+    is_beyond: bool,
 }
 
 fn is_of_skirt(in: Sample) -> bool {
@@ -44,12 +46,12 @@ fn shown(in: Sample, on_skirt: bool) -> Shown {
         steps += 1u;
     }
     if (!TRIMMED) {
-        return Shown(f, true, 0.0);
+        return Shown(f, true, 0.0, false);
     }
     let at = footprint(pixel, f.whole, f.position, f.su, f.sv, REACH_PX);
     let depth = depth_of(pixel, f.position);
     let is_lost = on_skirt && (at.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX || depth == 0.0);
-    return Shown(f, !is_lost && is_shown(face, at), depth);
+    return Shown(f, !is_lost && is_shown(face, at), depth, any(at.center < vec2<f32>(0.0)) || any(at.center > vec2<f32>(1.0)));
 }
 
 struct Nearest {
@@ -112,9 +114,14 @@ fn unevaluated(in: Sample) -> Fragment {
 // What a colour is made of: nothing is evaluated where triangles carry all of it.
 fn coloured(in: Sample, on_skirt: bool) -> Shown {
     if (VERTEX_NORMALS && !TRIMMED) {
-        return Shown(carried(in, unevaluated(in), false), true, 0.0);
+        return Shown(carried(in, unevaluated(in), false), true, 0.0, false);
     }
     return recorded(in, on_skirt);
+}
+
+// The depth of a skirt whose triangle has another.
+fn skirt_depth(out: Shown, depth: f32) -> f32 {
+    return select(out.depth, min(out.depth, depth), out.is_beyond);
 }
 
 // What a G-buffer holds.

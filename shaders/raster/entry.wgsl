@@ -257,7 +257,7 @@ struct Offer {
     // Whether it covers the pixel's centre, and may be the nearest there.
     is_open: bool,
     pixel: u32,
-    // By the triangle's depth; on a skirt that of the place shown decides.
+    // By the triangle's depth; on a skirt that of what is shown decides.
     order: u32,
     // Whether its face must be asked if it is there, and then what it shows.
     is_asked: bool,
@@ -334,11 +334,13 @@ fn answer(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     }
 }
 
-// Offers a triangle to a pixel where its face is there, by the depth of what is shown.
+// Offers a triangle to a pixel where its face is there; on a skirt by the depth of what is shown, as `skirt_depth` of triangles.wgsl.
 fn decide(made: Offer, triangle: u32) {
     let seen = shown(made.in, made.on_skirt);
     if (seen.is_drawn) {
-        offer(made.pixel, select(made.order, order_of(seen.depth), made.on_skirt), triangle);
+        let own = order_of(seen.depth);
+        let of_skirt = select(own, min(own, made.order), seen.is_beyond);
+        offer(made.pixel, select(made.order, of_skirt, made.on_skirt), triangle);
     }
 }
 

@@ -75,6 +75,11 @@ pub struct Footprint {
 }
 
 impl Footprint {
+    /// Whether its centre is beyond the domain.
+    fn is_beyond(&self) -> bool {
+        self.center.iter().any(|&t| t < 0.0 || t > 1.0)
+    }
+
     /// The ellipse of parameters that is [`Self::near_px`] about its centre in the picture.
     fn reach(&self) -> Reach {
         let [a, b] = [self.right, self.up].map(|gain| gain.map(|t| t * self.near_px));
@@ -151,7 +156,9 @@ impl Sight {
     }
 
     /// Whether a fragment of `face` at `at`, where the face has a tangent plane, covers the pixel, and then its depth z / w: that
-    /// of its triangle, given as `depth`, but on a skirt that of the place that it shows, which may be far from there.
+    /// of its triangle, given as `depth`, but on a skirt that of the place that it shows, which may be far from there. Where the ray
+    /// passes the face by, within [`NEAR_PX`] of its border, the farther of the two: a skirt goes back from the border, so that
+    /// the neighbour that the ray meets there stays in front.
     pub fn shows(
         &self,
         scene: &PackedScene,
@@ -163,7 +170,11 @@ impl Sight {
         let (_, plane) = self.settled(scene, face, at, plane);
         let footprint = self.footprint(&plane, REACH_PX);
         let is_far = plane.on_skirt && footprint.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX;
-        let depth = if plane.on_skirt { self.depth(plane.s) } else { depth };
+        let depth = match plane.on_skirt {
+            true if footprint.is_beyond() => self.depth(plane.s).min(depth),
+            true => self.depth(plane.s),
+            false => depth,
+        };
         let is_there = depth > 0.0 && !is_far && is_shown(scene, &scene.faces()[face as usize], &footprint);
         is_there.then_some(depth)
     }

@@ -6,7 +6,8 @@
 mod common;
 
 use common::software;
-use gbuffer::{GBuffer, Meta};
+use compare::{Deviation, Interpolation, Judge, PairReport, Sampler, Verdict};
+use gbuffer::{GBuffer, Hit, Meta};
 use glam::{DVec2, DVec3, dvec2};
 use gpu::{Atomics, Drawable, Overrides, Renderer, RendererOptions};
 use nurbs::{KnotVector, Surface};
@@ -183,7 +184,8 @@ impl<'m> Shot<'m> {
 
     fn by_raster(&self) -> GBuffer {
         let Self { scene, camera, viewport, views, prepared, .. } = self;
-        let drawing = Drawing { scene, views, camera, viewport: *viewport, options: Default::default() };
+        let options = raster::Options { curvature: true, vertex_normals: false };
+        let drawing = Drawing { scene, views, camera, viewport: *viewport, options };
         Rasterizer::new(drawing, prepared.visibility(drawing)).render(self.meta("raster"), &|_| {})
     }
 
@@ -195,23 +197,34 @@ impl<'m> Shot<'m> {
         renderer.gbuffer(&self.views, &self.camera, self.viewport, self.meta("gpu")).expect("drawn")
     }
 
-    /// The pixels at which something is in front of what is shown, wherever within the error of the triangles one looks.
-    fn hidden(&self, shown: &GBuffer) -> Vec<[usize; 2]> {
-        let caster = Caster::new(self.model);
+    /// A picture against rays, by what the technique claims.
+    fn judged(&self, shown: &GBuffer) -> PairReport {
+        let rays = Rays { caster: Caster::new(self.model), camera: self.camera, viewport: self.viewport };
         let [width, height] = [self.viewport.width(), self.viewport.height()];
-        let t = |at: DVec2| caster.first(&self.camera.ray(self.viewport, at.x, at.y)).hit.map(|hit| hit.t);
-        let pixels = (0..width * height).map(|pixel| [pixel % width, pixel / width]);
-        let is_hidden = |&[x, y]: &[usize; 2]| {
-            let Some(hit) = shown.get(x, y) else { return false };
-            let center = dvec2(x as f64 + 0.5, y as f64 + 0.5);
-            // A pixel's width there.
-            let [a, b] = [0.0, 1.0].map(|step| self.camera.ray(self.viewport, center.x + step, center.y).at(hit.t));
-            let near = |at: DVec2| t(at).is_some_and(|t| t < hit.t - CHORD_PX * a.distance(b));
-            let ring =
-                |share: f64| (0..16).map(move |k| share * CHORD_PX * DVec2::from_angle(TAU * f64::from(k) / 16.0));
-            near(center) && [0.5, 1.0].into_iter().flat_map(ring).all(|off| near(center + off))
-        };
-        pixels.filter(is_hidden).collect()
+        let row = |y: usize| (0..width).map(|x| rays.first(x as f64 + 0.5, y as f64 + 0.5)).collect::<Vec<_>>();
+        let reference = GBuffer::from_rows(self.viewport, self.meta("raycast"), (0..height).map(row));
+        let claims = techniques::named(self.prepared.technique()).expect("a technique").claims();
+        let interpolation = Interpolation::of(self.model);
+        let deviation = Deviation::against_surface(claims, &interpolation, self.prepared.chord(), CHORD_PX);
+        let judge = Judge::new(self.model, &self.camera, self.viewport, &self.scene);
+        judge.pair(&reference, &rays, shown, &deviation, true, &|_| {}).expect("comparable")
+    }
+}
+
+/// The ray caster, asked at any position.
+struct Rays<'m> {
+    caster: Caster<'m>,
+    camera: Camera,
+    viewport: Viewport,
+}
+
+impl Sampler for Rays<'_> {
+    fn first(&self, x: f64, y: f64) -> Option<Hit> {
+        self.caster.first(&self.camera.ray(self.viewport, x, y)).hit
+    }
+
+    fn layers(&self, x: f64, y: f64) -> Vec<Hit> {
+        self.caster.all(&self.camera.ray(self.viewport, x, y)).hits
     }
 }
 
@@ -223,13 +236,15 @@ fn no_wall_of_a_hole_is_shown_through_what_is_before_it() {
         let what = format!("{kind:?} by {technique} at {size:?} from {view:?}");
         let raster = shot.by_raster();
         assert!(raster.covered() > 500, "{what}");
-        assert_eq!(shot.hidden(&raster), [[0; 2]; 0], "{what}, raster");
+        let report = shot.judged(&raster);
+        assert_eq!(report.verdict, Verdict::Agree, "{what}, raster: {:?}", report.worst);
         let kernels = ByCompute::new(shot.prepared.clone(), Atomics::Bits32).expect("it has triangles");
         let drawn: [(&str, &dyn Drawable); 2] = [("fragment stage", &*shot.prepared), ("kernels", &kernels)];
         for (path, drawn) in drawn {
             let gpu = shot.by_gpu(drawn, &wgsl::source);
             assert!(gpu.covered().abs_diff(raster.covered()) <= 2, "{what}, {path}");
-            assert_eq!(shot.hidden(&gpu), [[0; 2]; 0], "{what}, {path}");
+            let report = shot.judged(&gpu);
+            assert_eq!(report.verdict, Verdict::Agree, "{what}, {path}: {:?}", report.worst);
         }
     }
 }
@@ -237,8 +252,8 @@ fn no_wall_of_a_hole_is_shown_through_what_is_before_it() {
 #[test]
 fn skirts_at_the_depth_of_their_triangles_show_walls_through_planes() {
     let faults = [
-        (false, ["g.shape, out.depth)", "g.shape, in.clip.z)"]),
-        (true, ["select(made.order, order_of(seen.depth), made.on_skirt)", "made.order"]),
+        (false, ["g.shape, skirt_depth(out, in.clip.z))", "g.shape, in.clip.z)"]),
+        (true, ["select(made.order, of_skirt, made.on_skirt)", "made.order"]),
     ];
     for (by_kernels, [right, wrong]) in faults {
         let source = |variant: Variant| {
@@ -251,9 +266,9 @@ fn skirts_at_the_depth_of_their_triangles_show_walls_through_planes() {
             let shot = Shot::new(&model, technique, size, view);
             let kernels = ByCompute::new(shot.prepared.clone(), Atomics::Bits32).expect("it has triangles");
             let drawn: &dyn Drawable = if by_kernels { &kernels } else { &*shot.prepared };
-            shot.hidden(&shot.by_gpu(drawn, &source)).len()
+            shot.judged(&shot.by_gpu(drawn, &source)).differing()
         };
-        let found: Vec<usize> = [VIEWS[0], VIEWS[4], VIEWS[6]].map(found).to_vec();
+        let found = [VIEWS[0], VIEWS[4], VIEWS[6]].map(found);
         assert!(found.iter().all(|&count| count > 0), "{wrong}: {found:?}");
     }
 }
