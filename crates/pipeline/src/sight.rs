@@ -77,7 +77,7 @@ pub struct Footprint {
 impl Footprint {
     /// Whether its centre is beyond the domain.
     fn is_beyond(&self) -> bool {
-        self.center.iter().any(|&t| t < 0.0 || t > 1.0)
+        self.center.iter().any(|t| !(0.0..=1.0).contains(t))
     }
 
     /// The ellipse of parameters that is [`Self::near_px`] about its centre in the picture.
