@@ -78,7 +78,7 @@ fn parallelogram(corner: DVec3, u: DVec3, v: DVec3) -> Surface {
 /// Half a cylinder about z, counterclockwise from an angle, between two heights.
 fn half(center: DVec2, radius: f64, start: f64, heights: [f64; 2]) -> Surface {
     let around = KnotVector::new(2, vec![0.0, 0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 1.0]).expect("legal");
-    let reach = |k: usize| if k % 2 == 0 { 1.0 } else { SQRT_2 };
+    let reach = |k: usize| [1.0, SQRT_2][k % 2];
     let at = |k: usize| center + radius * reach(k) * DVec2::from_angle(start + FRAC_PI_4 * k as f64);
     let points = (0..5).flat_map(|k| heights.map(|z| at(k).extend(z))).collect();
     let weights = (0..5).flat_map(|k| [1.0 / reach(k); 2]).collect();
