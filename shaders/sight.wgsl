@@ -41,6 +41,15 @@ fn plane(p: vec4<f32>, at: vec3<f32>) -> f32 {
     return dot(p.xyz, at) + p.w;
 }
 
+// z / w of a point, from 0 to 1; 0, which is infinitely far, of one behind the eye.
+fn depth_of(s: Sight, position: vec3<f32>) -> f32 {
+    let w = plane(s.w, position);
+    if (w > 0.0) {
+        return clamp(plane(s.z, position) / w, 0.0, 1.0);
+    }
+    return 0.0;
+}
+
 // The derivative of a quotient, times w: what is left of the planes' own slopes is that of w, seen at the value.
 // Last, the slope of w itself.
 fn along(s: Sight, value: vec3<f32>, derivative: vec3<f32>) -> vec4<f32> {

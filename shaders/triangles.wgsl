@@ -14,13 +14,20 @@ struct Sample {
 struct Shown {
     f: Fragment,
     is_drawn: bool,
+    // z / w of the place that a skirt shows, which may be far from its triangle; elsewhere the triangle has it.
+    depth: f32,
+    // Whether the ray passes the face by: then a skirt has the farther depth, that of the place or that of its triangle.
+    is_beyond: bool,
+}
+
+fn is_of_skirt(in: Sample) -> bool {
+    return TRIMMED && is_on_skirt(faces[in.face], in.given);
 }
 
 // The program at the interpolated (u, v), but on a skirt at the place of the face that is nearest to the pixel; what lies behind
 // is seen where the face does not cover it. Twin: `Sight::shows` and `Sight::place`.
-fn shown(in: Sample) -> Shown {
+fn shown(in: Sample, on_skirt: bool) -> Shown {
     let face = faces[in.face];
-    let on_skirt = TRIMMED && is_on_skirt(face, in.given);
     let pixel = sight(views[in.face], in.at);
     var f: Fragment;
     var place = in.given;
@@ -39,11 +46,12 @@ fn shown(in: Sample) -> Shown {
         steps += 1u;
     }
     if (!TRIMMED) {
-        return Shown(f, true);
+        return Shown(f, true, 0.0, false);
     }
     let at = footprint(pixel, f.whole, f.position, f.su, f.sv, REACH_PX);
-    let is_far = on_skirt && at.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX;
-    return Shown(f, !is_far && is_shown(face, at));
+    let depth = depth_of(pixel, f.position);
+    let is_lost = on_skirt && (at.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX || depth == 0.0);
+    return Shown(f, !is_lost && is_shown(face, at), depth, any(at.center < vec2<f32>(0.0)) || any(at.center > vec2<f32>(1.0)));
 }
 
 struct Nearest {
@@ -77,10 +85,10 @@ fn nearest_on_span(face: FaceRecord, f: Fragment, pixel: Sight) -> Nearest {
 
 // What the flat triangle carries, in place of the surface's own: its point and the interpolated normal. A skirt shows the surface's own,
 // of a place beside the triangle.
-fn carried(in: Sample, own: Fragment) -> Fragment {
+fn carried(in: Sample, own: Fragment, on_skirt: bool) -> Fragment {
     var f = own;
     f.curvature = vec2<f32>(0.0);
-    if (TRIMMED && is_on_skirt(faces[in.face], in.given)) {
+    if (on_skirt) {
         return f;
     }
     let length = sqrt(dot(in.normal, in.normal));
@@ -104,18 +112,23 @@ fn unevaluated(in: Sample) -> Fragment {
 }
 
 // What a colour is made of: nothing is evaluated where triangles carry all of it.
-fn coloured(in: Sample) -> Shown {
+fn coloured(in: Sample, on_skirt: bool) -> Shown {
     if (VERTEX_NORMALS && !TRIMMED) {
-        return Shown(carried(in, unevaluated(in)), true);
+        return Shown(carried(in, unevaluated(in), false), true, 0.0, false);
     }
-    return recorded(in);
+    return recorded(in, on_skirt);
+}
+
+// The depth of a skirt whose triangle has another.
+fn skirt_depth(out: Shown, depth: f32) -> f32 {
+    return select(out.depth, min(out.depth, depth), out.is_beyond);
 }
 
 // What a G-buffer holds.
-fn recorded(in: Sample) -> Shown {
-    var out = shown(in);
+fn recorded(in: Sample, on_skirt: bool) -> Shown {
+    var out = shown(in, on_skirt);
     if (VERTEX_NORMALS) {
-        out.f = carried(in, out.f);
+        out.f = carried(in, out.f, on_skirt);
     }
     return out;
 }

@@ -33,8 +33,8 @@ struct Call {
     // Where questions start, and how many there is room for.
     questions: u32,
     room: u32,
-    // Whether it is of the second round, where there are two.
-    is_second: u32,
+    // Where there are two rounds, in the second one how many words before its counts those of the first stand; else 0.
+    back: u32,
     nothing: vec4<f32>,
 }
 
@@ -129,7 +129,7 @@ fn cover_small(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
         atomicStore(&queue[call.waiting + slot], triangle);
         return;
     }
-    let piece = whole_piece(t);
+    let piece = whole_piece(t, triangle);
     for (var y = t.first.y; y < t.end.y; y++) {
         let columns = columns_of(t, y);
         for (var x = columns.x; x < columns.y; x++) {
@@ -153,7 +153,7 @@ fn cover_large(
     for (var i = group.x; i < count * shares; i += groups.x) {
         let triangle = atomicLoad(&queue[call.waiting + i / shares]);
         let t = set_up(corners_of(vertices_of(triangle)), size_in_pixels());
-        cover_shared(whole_piece(t), triangle, (i % shares) * WORKGROUP + lane, shares * WORKGROUP);
+        cover_shared(whole_piece(t, triangle), triangle, (i % shares) * WORKGROUP + lane, shares * WORKGROUP);
     }
 }
 
@@ -173,7 +173,7 @@ fn cover_cut(
         let triangle = atomicLoad(&queue[call.waiting + call.count - 1u - i / shares]);
         let polygon = polygon_of(triangle);
         for (var k = 2u; k < polygon.count; k++) {
-            let piece = piece_of(polygon, k);
+            let piece = piece_of(polygon, k, triangle);
             if (piece.t.is_seen) {
                 cover_shared(piece, triangle, (i % shares) * WORKGROUP + lane, shares * WORKGROUP);
             }
@@ -195,14 +195,30 @@ fn cover_shared(piece: Piece, triangle: u32, k: u32, threads: u32) {
 // A triangle, or a part of a cut one: then also what each of its corners carries of the whole one's, and its own u and v.
 struct Piece {
     t: Flat,
+    // Whether the triangle has samples on a skirt.
+    of_skirt: bool,
     is_part: bool,
     u: vec3<f32>,
     v: vec3<f32>,
     share: mat3x3<f32>,
 }
 
-fn whole_piece(t: Flat) -> Piece {
-    return Piece(t, false, vec3<f32>(), vec3<f32>(), mat3x3<f32>());
+fn whole_piece(t: Flat, triangle: u32) -> Piece {
+    return Piece(t, reaches_skirt(triangle), false, vec3<f32>(), vec3<f32>(), mat3x3<f32>());
+}
+
+fn reaches_skirt(triangle: u32) -> bool {
+    if (!is_asked(triangle)) {
+        return false;
+    }
+    let corners = vertices_of(triangle);
+    var reaches = false;
+    for (var i = 0u; i < 3u; i++) {
+        let corner = corners[i];
+        let uv = vec2<f32>(number_of(corner, 3u), number_of(corner, 4u));
+        reaches = reaches || is_on_skirt(faces[face_of(corner)], Parameters(span_at(corner), uv));
+    }
+    return reaches;
 }
 
 fn polygon_of(triangle: u32) -> Polygon {
@@ -217,10 +233,11 @@ fn polygon_of(triangle: u32) -> Polygon {
 }
 
 // Of the fan of pieces, the one that ends with corner k.
-fn piece_of(polygon: Polygon, k: u32) -> Piece {
+fn piece_of(polygon: Polygon, k: u32, triangle: u32) -> Piece {
     var polygon_at = polygon;
     var placed: array<Corner, 3>;
     var piece: Piece;
+    piece.of_skirt = reaches_skirt(triangle);
     piece.is_part = true;
     for (var i = 0u; i < 3u; i++) {
         let corner = polygon_at.corners[select(k - 2u + i, 0u, i == 0u)];
@@ -240,9 +257,11 @@ struct Offer {
     // Whether it covers the pixel's centre, and may be the nearest there.
     is_open: bool,
     pixel: u32,
+    // By the triangle's depth; on a skirt that of what is shown decides.
     order: u32,
     // Whether its face must be asked if it is there, and then what it shows.
     is_asked: bool,
+    on_skirt: bool,
     in: Sample,
 }
 
@@ -253,9 +272,11 @@ fn offer_of(piece: Piece, triangle: u32, pixel: vec2<i32>) -> Offer {
         made.order = order_of(depth_at(piece.t, values.rounded));
         made.pixel = u32(pixel.y) * call.width + u32(pixel.x);
         made.is_open = made.order != 0u && is_wanted(made.pixel, made.order);
-        made.is_asked = made.is_open && is_asked(triangle);
-        if (made.is_asked) {
+        made.is_asked = is_asked(triangle);
+        if (made.is_asked && (made.is_open || piece.of_skirt)) {
             made.in = sample_of(piece, triangle, weights_at(piece.t, pixel, values.rounded), pixel);
+            made.on_skirt = is_of_skirt(made.in);
+            made.is_open = made.is_open || made.on_skirt;
         }
     }
     return made;
@@ -291,25 +312,41 @@ fn cover(piece: Piece, triangle: u32, pixel: vec2<i32>) {
 // However many questions there are, they share the threads.
 @compute @workgroup_size(WORKGROUP)
 fn answer(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let count = min(atomicLoad(&queue[call.counts + 2u]), call.room);
+    let count = atomicLoad(&queue[call.counts + 2u]);
+    if (finds_no_room()) {
+        return;
+    }
     for (var i = id.x; i < count; i += groups.x * WORKGROUP) {
         let at = call.questions + i * QUESTION;
         let pixel = atomicLoad(&queue[at]);
         let order = atomicLoad(&queue[at + 1u]);
         let triangle = atomicLoad(&queue[at + 2u]);
-        if (!is_wanted(pixel, order)) {
-            continue;
-        }
         let vertex = vertices_of(triangle).x;
         let uv = vec2<f32>(bitcast<f32>(atomicLoad(&queue[at + 3u])), bitcast<f32>(atomicLoad(&queue[at + 4u])));
         var in: Sample;
         in.face = face_of(vertex);
         in.given = Parameters(span_at(vertex), uv);
         in.at = vec2<f32>(vec2<u32>(pixel % call.width, pixel / call.width)) + 0.5;
-        if (shown(in).is_drawn) {
-            offer(pixel, order, triangle);
+        let on_skirt = is_of_skirt(in);
+        if (on_skirt || is_wanted(pixel, order)) {
+            decide(Offer(true, pixel, order, true, on_skirt, in), triangle);
         }
     }
+}
+
+// Offers a triangle to a pixel where its face is there; on a skirt by the depth of what is shown, as `skirt_depth` of triangles.wgsl.
+fn decide(made: Offer, triangle: u32) {
+    let seen = shown(made.in, made.on_skirt);
+    if (seen.is_drawn) {
+        let own = order_of(seen.depth);
+        let of_skirt = select(own, min(own, made.order), seen.is_beyond);
+        offer(made.pixel, select(made.order, of_skirt, made.on_skirt), triangle);
+    }
+}
+
+// Whether questions were lost: in both rounds as in the first one, since another kernel's answers may differ in a last digit.
+fn finds_no_room() -> bool {
+    return atomicLoad(&queue[call.counts - call.back + 2u]) > call.room;
 }
 
 // Where some questions found no room, all are answered where they arise.
@@ -319,7 +356,7 @@ fn answer_rest(
     @builtin(local_invocation_index) lane: u32,
     @builtin(num_workgroups) groups: vec3<u32>,
 ) {
-    if (atomicLoad(&queue[call.counts + 2u]) <= call.room) {
+    if (!finds_no_room()) {
         return;
     }
     for (var i = group.x; i < call.count; i += groups.x) {
@@ -329,12 +366,12 @@ fn answer_rest(
         }
         let placed = corners_of(vertices_of(triangle));
         if (!is_cut(placed)) {
-            answer_all(whole_piece(set_up(placed, size_in_pixels())), triangle, lane);
+            answer_all(whole_piece(set_up(placed, size_in_pixels()), triangle), triangle, lane);
             continue;
         }
         let polygon = polygon_of(triangle);
         for (var k = 2u; k < polygon.count; k++) {
-            answer_all(piece_of(polygon, k), triangle, lane);
+            answer_all(piece_of(polygon, k, triangle), triangle, lane);
         }
     }
 }
@@ -349,8 +386,8 @@ fn answer_all(piece: Piece, triangle: u32, lane: u32) {
         let columns = columns_of(t, y);
         for (var x = columns.x + i32(lane % ALONG); x < columns.y; x += i32(ALONG)) {
             let made = offer_of(piece, triangle, vec2<i32>(x, y));
-            if (made.is_open && shown(made.in).is_drawn) {
-                offer(made.pixel, made.order, triangle);
+            if (made.is_open) {
+                decide(made, triangle);
             }
         }
     }
@@ -432,16 +469,19 @@ fn seen_at(at: vec2<u32>) -> Seen {
     let placed = corners_of(vertices_of(triangle));
     found.is_there = true;
     if (!is_cut(placed)) {
-        found.in = sample_at(whole_piece(set_up(placed, size_in_pixels())), triangle, pixel);
+        found.in = sample_at(whole_piece(set_up(placed, size_in_pixels()), triangle), triangle, pixel);
         return found;
     }
     let polygon = polygon_of(triangle);
     for (var k = 2u; k < polygon.count; k++) {
-        let piece = piece_of(polygon, k);
+        let piece = piece_of(polygon, k, triangle);
         let values = values_at(piece.t, pixel);
-        if (piece.t.is_seen && values.covered && order_of(depth_at(piece.t, values.rounded)) == order_at(index)) {
-            found.in = sample_at(piece, triangle, pixel);
-            break;
+        if (piece.t.is_seen && values.covered) {
+            let in = sample_at(piece, triangle, pixel);
+            if (is_of_skirt(in) || order_of(depth_at(piece.t, values.rounded)) == order_at(index)) {
+                found.in = in;
+                break;
+            }
         }
     }
     return found;
@@ -457,7 +497,7 @@ fn sample_at(piece: Piece, triangle: u32, pixel: vec2<i32>) -> Sample {
 fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
     let found = seen_at(id.xy);
     if (found.is_there) {
-        write_gbuffer(id.xy, found.in.face, recorded(found.in).f);
+        write_gbuffer(id.xy, found.in.face, recorded(found.in, is_of_skirt(found.in)).f);
     } else if (found.is_cleared) {
         clear_gbuffer(id.xy, call.nothing);
     }
@@ -467,7 +507,7 @@ fn resolve_gbuffer(@builtin(global_invocation_id) id: vec3<u32>) {
 fn resolve_shaded(@builtin(global_invocation_id) id: vec3<u32>) {
     let found = seen_at(id.xy);
     if (found.is_there) {
-        write_shaded(id.xy, found.in.face, coloured(found.in).f, found.in.local);
+        write_shaded(id.xy, found.in.face, coloured(found.in, is_of_skirt(found.in)).f, found.in.local);
     } else if (found.is_cleared) {
         clear_shaded(id.xy, call.nothing);
     }

@@ -6,7 +6,7 @@
 @group(1) @binding(2) var<storage, read_write> seen: array<atomic<u32>>;
 
 fn offer(pixel: u32, order: u32, triangle: u32) {
-    if (call.is_second == 0u) {
+    if (call.back == 0u) {
         atomicMax(&seen[2u * pixel], order);
     } else if (order == order_at(pixel)) {
         atomicMax(&seen[2u * pixel + 1u], ~triangle);
@@ -16,7 +16,7 @@ fn offer(pixel: u32, order: u32, triangle: u32) {
 // Whether an offer may still be the nearest.
 fn is_wanted(pixel: u32, order: u32) -> bool {
     let greatest = order_at(pixel);
-    return order == greatest || (call.is_second == 0u && order > greatest);
+    return order == greatest || (call.back == 0u && order > greatest);
 }
 
 fn order_at(pixel: u32) -> u32 {

@@ -11,10 +11,7 @@ in millimetres: those in inches are named by --inches. Exit status 1 if a place 
 """
 import argparse
 import collections
-import json
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -33,15 +30,6 @@ from OCP.gp import gp_Pnt, gp_Pnt2d
 GRID = 20
 # what files' digits leave, as a share of a face's size and of its distance from the origin
 PRINTED = 1e-9, 1e-13
-
-
-def read(path, isophote):
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "model.json"
-        done = subprocess.run([isophote, "convert", path, "--out", out], capture_output=True, text=True)
-        if done.returncode:
-            sys.exit(f"{path}: {done.stderr[-400:]}")
-        return json.loads(out.read_text())
 
 
 def counts(model, face):
@@ -94,7 +82,7 @@ def main():
     asked = parser.parse_args()
     wrong = 0
     for path in asked.models:
-        ours = read(path, asked.isophote)
+        ours = oc.converted(path, asked.isophote)
         scale = 25.4 if path.name in asked.inches.split(",") else 1.0
         shape = oc.load_shape(str(path))
         theirs = oc.shape_to_neutral(shape)

@@ -10,9 +10,7 @@ our surface. `--random N` adds N seeded surfaces of each format. Exit status 1 i
     teapot.bpt: 32 faces, 12,800 places, farthest 3.1e-16 of the size
 """
 import argparse
-import json
 import random
-import subprocess
 import sys
 import tempfile
 from fractions import Fraction
@@ -28,15 +26,6 @@ from OCP.ShapeAnalysis import ShapeAnalysis_Surface
 SIDE = 20
 # farthest that counts as equal, as a share of the face's size and distance from the origin
 ENOUGH = 1e-12
-
-
-def convert(path, isophote):
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "model.json"
-        done = subprocess.run([isophote, "convert", path, "--out", out], capture_output=True, text=True)
-        if done.returncode:
-            sys.exit(f"{path}: {done.stderr[-400:]}")
-        return json.loads(out.read_text())
 
 
 def basis(knots, degree, t):
@@ -173,7 +162,7 @@ def rhino(path):
 
 
 def compare(path, isophote, moved):
-    ours = convert(path, isophote)
+    ours = oc.converted(path, isophote)
     theirs = list({".bpt": bpt, ".obj": obj, ".3dm": rhino}[path.suffix](path))
     wrong = []
     if len(ours["faces"]) != len(theirs):

@@ -75,6 +75,11 @@ pub struct Footprint {
 }
 
 impl Footprint {
+    /// Whether its centre is beyond the domain.
+    fn is_beyond(&self) -> bool {
+        self.center.iter().any(|t| !(0.0..=1.0).contains(t))
+    }
+
     /// The ellipse of parameters that is [`Self::near_px`] about its centre in the picture.
     fn reach(&self) -> Reach {
         let [a, b] = [self.right, self.up].map(|gain| gain.map(|t| t * self.near_px));
@@ -150,12 +155,34 @@ impl Sight {
         Footprint { center, right, up, near_px, step_squared: if found { far } else { f32::MAX } }
     }
 
-    /// Whether a fragment of `face` at `at`, where the face has a tangent plane, covers the pixel.
-    pub fn shows(&self, scene: &PackedScene, face: u32, at: Parameters, plane: &TangentPlane) -> bool {
+    /// Whether a fragment of `face` at `at`, where the face has a tangent plane, covers the pixel, and then its depth z / w: that
+    /// of its triangle, given as `depth`, but on a skirt that of the place that it shows, which may be far from there. Where the ray
+    /// passes the face by, within [`NEAR_PX`] of its border, the farther of the two: a skirt goes back from the border, so that
+    /// the neighbour that the ray meets there stays in front.
+    pub fn shows(
+        &self,
+        scene: &PackedScene,
+        face: u32,
+        at: Parameters,
+        plane: &TangentPlane,
+        depth: f32,
+    ) -> Option<f32> {
         let (_, plane) = self.settled(scene, face, at, plane);
         let footprint = self.footprint(&plane, REACH_PX);
         let is_far = plane.on_skirt && footprint.step_squared > SKIRT_FOUND_PX * SKIRT_FOUND_PX;
-        !is_far && is_shown(scene, &scene.faces()[face as usize], &footprint)
+        let depth = match plane.on_skirt {
+            true if footprint.is_beyond() => self.depth(plane.s).min(depth),
+            true => self.depth(plane.s),
+            false => depth,
+        };
+        let is_there = depth > 0.0 && !is_far && is_shown(scene, &scene.faces()[face as usize], &footprint);
+        is_there.then_some(depth)
+    }
+
+    /// z / w of a point, from 0 to 1; 0, which is infinitely far, of one behind the eye.
+    fn depth(&self, s: [f32; 3]) -> f32 {
+        let w = plane(&self.w, s);
+        if w > 0.0 { (plane(&self.z, s) / w).clamp(0.0, 1.0) } else { 0.0 }
     }
 
     /// Where a fragment shows its face: at its parameters, but on a skirt at the place that is nearest to the pixel in the

@@ -13,9 +13,9 @@ use compare::ATTRIBUTE_ULPS;
 use gbuffer::{GBuffer, Hit};
 use isophote::stage::Stage;
 use nurbs::NormalStatus;
-use pipeline::edge;
-use pipeline::fragment::Fragment;
+use pipeline::fragment::{Fragment, is_on_skirt};
 use pipeline::wgsl::{self, Variant};
+use pipeline::{Parameters, edge};
 use raster::coverage::for_each_covered;
 use raster::geometry::{Attributes, Geometry};
 use raster::rect::Rect;
@@ -27,6 +27,9 @@ use techniques::exact::{Hulls, PieceRecord};
 
 /// Corners of a hull.
 const CORNERS: u32 = 8;
+
+/// Where the words of `SkirtGBufferOutput` have the depth.
+const SKIRT_DEPTH: usize = 16;
 
 /// The functions of technique `exact` that are called, each by its name.
 pub const CALLED: [&str; 4] = ["sight", "solve", "fragment", "gbuffer_output"];
@@ -113,7 +116,7 @@ impl<'s> Scene<'s> {
     /// Where a program does not end, cannot be run, or shows a face that is not there.
     pub fn draw(&self, adapter: Adapter) -> Result<GBuffer> {
         let is_exact = self.stage.prepared.mesh().is_none();
-        let entries: &[&str] = if is_exact { &CALLED } else { &["fragment_gbuffer"] };
+        let entries: &[&str] = if is_exact { &CALLED } else { &["fragment_gbuffer", "skirt_gbuffer"] };
         let programs = self.sources.iter().map(|(&kind, source)| Ok((kind, Program::new(source, entries)?)));
         let programs: BTreeMap<pipeline::Program, Program> = programs.collect::<Result<_>>()?;
         let (width, height) = (self.stage.viewport.width(), self.stage.viewport.height());
@@ -169,16 +172,28 @@ impl<'s> Scene<'s> {
         [x, y]: [usize; 2],
     ) -> Result<(Option<Fragment>, bool)> {
         let at = [x as f32 + 0.5, y as f32 + 0.5];
+        // By triangles the words that are shown, by pieces the face and the place; each with its depth.
+        let mut shown: Option<(f32, Vec<u32>)> = None;
         let mut nearest: Option<(f32, u32, [u32; 4])> = None;
         let mut is_undecided = false;
         for candidate in &self.candidates[y * self.stage.viewport.width() + x] {
             match candidate {
-                &Candidate::Sample { face, span, uv, .. } => {
+                &Candidate::Sample { depth, face, span, uv } => {
                     let machine = self.machine(machines, face);
                     let uv = uv.map(|t| interpolated(&mut machine.arithmetic, t));
                     let input = sample_words(at, face, span, uv);
-                    if let Some(words) = machine.call("fragment_gbuffer", &[&input])? {
-                        return Ok((Some(self.fragment(&words)), false));
+                    let is_nearer = |depth: f32| shown.as_ref().is_none_or(|(old, _)| depth > *old);
+                    if is_on_skirt(&self.stage.scene.faces()[face as usize], Parameters { span, uv }) {
+                        if let Some(words) = machine.call("skirt_gbuffer", &[&input])? {
+                            let depth = f32::from_bits(words[SKIRT_DEPTH]);
+                            if is_nearer(depth) {
+                                shown = Some((depth, words));
+                            }
+                        }
+                    } else if is_nearer(depth)
+                        && let Some(words) = machine.call("fragment_gbuffer", &[&input])?
+                    {
+                        shown = Some((depth, words));
                     }
                 }
                 Candidate::Piece(piece) => {
@@ -197,6 +212,9 @@ impl<'s> Scene<'s> {
                     }
                 }
             }
+        }
+        if let Some((_, words)) = shown {
+            return Ok((Some(self.fragment(&words)), false));
         }
         let Some((_, face, place)) = nearest else { return Ok((None, is_undecided)) };
         let machine = self.machine(machines, face);

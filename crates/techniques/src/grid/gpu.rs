@@ -6,7 +6,7 @@ use super::grids::Grids;
 use super::record::GridRecord;
 use super::tiles::{SIDES, SIZES, indices};
 use crate::triangles::SAMPLE;
-use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
+use crate::triangles::gpu::{Draw, Extent, FRAGMENT_STAGE, Feed};
 use bytemuck::{Pod, Zeroable};
 use gpu::groups::{PART_STRIDE, READ, UNIFORM, UNIFORM_AT, WRITE, part, whole};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, Room, SceneBuffers, SceneLayouts};
@@ -19,7 +19,7 @@ use wgpu::{BufferUsages, RenderPass, RenderPipeline, ShaderStages};
 /// The technique's name.
 pub(super) const NAME: &str = "grid";
 
-/// Entry point `vertex`, the kernels, and the entry points of the fragment stage.
+/// Entry points `vertex` and `skirt_vertex`, the kernels, and the entry points of the fragment stage.
 pub(super) const PARTS: &[Part] = &[
     Part { file: "grid/entry.wgsl", text: include_str!("../../../../shaders/grid/entry.wgsl") },
     Part { file: "grid/tiles.wgsl", text: include_str!("../../../../shaders/grid/tiles.wgsl") },
@@ -298,6 +298,13 @@ impl Feed for Generator {
         for (kernel, groups) in kernels.iter().zip([grids, grids, blocks, 1, blocks, calls, tiles]) {
             pass.set_pipeline(kernel);
             pass.dispatch_workgroups(groups, 1, 1);
+        }
+    }
+
+    fn vertex(extent: Extent) -> &'static str {
+        match extent {
+            Extent::Faces => "vertex",
+            Extent::Skirts => "skirt_vertex",
         }
     }
 

@@ -1,5 +1,5 @@
 //! Triangles on the device without its rasterizer: the kernels of `shaders/raster/`, whose coverage, depth and choice of the
-//! nearest triangle have the CPU rasterizer's bits on every adapter.
+//! nearest triangle have the CPU rasterizer's bits on every adapter; but on a skirt, where what is shown decides, only strict ones.
 
 use crate::resolve;
 use crate::subnormals::{Lacking, Subnormals};
@@ -89,7 +89,7 @@ struct Call {
     clears: u32,
     questions: u32,
     room: u32,
-    is_second: u32,
+    back: u32,
     nothing: [f32; 4],
     padding: [u32; 48],
 }
@@ -275,7 +275,7 @@ impl Fed {
             clears: u32::from(index == 0),
             questions: (self.waiting() / 4) as u32,
             room: room as u32,
-            is_second: u32::from(round == 1),
+            back: (COUNTS * round * self.batches.len()) as u32,
             nothing,
             padding: [0; 48],
         };

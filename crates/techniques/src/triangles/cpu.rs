@@ -57,15 +57,16 @@ impl Visibility for Triangles<'_> {
                 // Of equal depths the one drawn first stays.
                 waiting.decide(drawing, &mut tile);
             }
+            let is_of_skirt = cut::is_of_skirt(drawing, &attributes);
             for_each_covered(&triangle, rect, |x, y| {
-                // No point of a triangle is nearer than its nearest corner: most hidden samples end here.
-                if !tile.passes(x, y, nearest) {
+                // No point of a triangle is nearer than its nearest corner: most hidden samples end here. What a skirt shows may be.
+                if !is_of_skirt && !tile.passes(x, y, nearest) {
                     return;
                 }
                 let depth = triangle.depth(x, y);
                 if !is_bounded {
                     tile.test(x, y, depth, owner as u32);
-                } else if tile.passes(x, y, depth) {
+                } else if is_of_skirt || tile.passes(x, y, depth) {
                     let weights = triangle.weights(x, y);
                     let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
                     waiting.add(drawing, &mut tile, attributes.face, place, ([x, y], depth, owner as u32));
@@ -135,8 +136,7 @@ impl Samples for Positions<'_> {
             let attributes = geometry.attributes(id);
             let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
             let (face, at) = (attributes.face, [x as f32, y as f32]);
-            let is_drawn = depth > 0.0 && cut::is_drawn(drawing, face, place, at);
-            is_drawn.then(|| {
+            cut::drawn(drawing, face, place, at, depth).map(|depth| {
                 let shown = cut::shown(drawing, face, place, at);
                 let carried = self.triangles.carried(&triangle, weights, &attributes, place);
                 let carried = drawing.options.vertex_normals.then_some(carried);

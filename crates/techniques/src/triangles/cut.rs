@@ -5,6 +5,7 @@ use pipeline::fragment::{TangentPlane, tangent_plane, tangent_planes};
 use pipeline::{BOUNDED, Parameters, Sight};
 use raster::Drawing;
 use raster::depth::DepthTile;
+use raster::geometry::Attributes;
 
 /// How many may wait: enough to fill the program's lanes, and few enough that what they hide is soon known to be hidden.
 const MOST: usize = 64;
@@ -18,7 +19,7 @@ pub struct Waiting {
     planes: Vec<TangentPlane>,
 }
 
-/// Where a fragment would stand.
+/// Where a fragment would stand, and the depth of its triangle there.
 struct Sample {
     at: [i32; 2],
     depth: f32,
@@ -26,7 +27,8 @@ struct Sample {
 }
 
 impl Waiting {
-    /// Adds a fragment of `face` at pixel `at`, whose depth and owner go to `tile` if the face covers its centre.
+    /// Adds a fragment of `face` at pixel `at` with its triangle's depth, which goes to `tile` with its owner if the face covers its
+    /// centre.
     pub fn add(
         &mut self,
         drawing: &Drawing,
@@ -51,8 +53,12 @@ impl Waiting {
         for ((&Sample { at: [x, y], depth, owner }, place), plane) in
             self.samples.iter().zip(&self.places).zip(&self.planes)
         {
-            if tile.passes(x, y, depth) && covers(drawing, self.face, *place, plane, [x as f32 + 0.5, y as f32 + 0.5]) {
-                tile.test(x, y, depth, owner);
+            // That of a skirt's triangle says nothing of the place that it shows.
+            if plane.on_skirt || tile.passes(x, y, depth) {
+                let at = [x as f32 + 0.5, y as f32 + 0.5];
+                if let Some(depth) = covers(drawing, self.face, *place, plane, at, depth) {
+                    tile.test(x, y, depth, owner);
+                }
             }
         }
         self.samples.clear();
@@ -61,9 +67,17 @@ impl Waiting {
     }
 }
 
-/// Whether a fragment of a face, interpolated at picture position `at`, covers it: it is not cut away.
-pub fn is_drawn(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2]) -> bool {
-    !is_bounded(drawing, face) || covers(drawing, face, place, &tangent_plane(drawing.scene, face, place), at)
+/// The depth of a fragment of a face, interpolated at picture position `at` with its triangle's `depth`; `None` where it is cut away.
+pub fn drawn(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2], depth: f32) -> Option<f32> {
+    if !is_bounded(drawing, face) {
+        return Some(depth).filter(|&depth| depth > 0.0);
+    }
+    covers(drawing, face, place, &tangent_plane(drawing.scene, face, place), at, depth)
+}
+
+/// Whether a triangle of a face, with these attributes, is on its skirt.
+pub fn is_of_skirt(drawing: &Drawing, Attributes { face, span, uv, .. }: &Attributes) -> bool {
+    uv.iter().any(|&uv| is_on_skirt(drawing, *face, Parameters { span: *span, uv }))
 }
 
 /// Whether a fragment of a face is on its skirt: there it shows the surface's own point, wherever it settles.
@@ -81,8 +95,15 @@ pub fn shown(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2]) -> P
     }
 }
 
-fn covers(drawing: &Drawing, face: u32, place: Parameters, plane: &TangentPlane, at: [f32; 2]) -> bool {
-    Sight::new(&drawing.views[face as usize], at).shows(drawing.scene, face, place, plane)
+fn covers(
+    drawing: &Drawing,
+    face: u32,
+    place: Parameters,
+    plane: &TangentPlane,
+    at: [f32; 2],
+    depth: f32,
+) -> Option<f32> {
+    Sight::new(&drawing.views[face as usize], at).shows(drawing.scene, face, place, plane, depth)
 }
 
 /// Whether some fragments of a face may be cut away.

@@ -9,11 +9,23 @@ use pipeline::wgsl::Part;
 use std::collections::HashMap;
 use wgpu::{RenderPass, RenderPipeline, TextureFormat, TextureUsages};
 
-/// Entry points `fragment_gbuffer` and `fragment_shaded`.
+/// Entry points `fragment_gbuffer` and `fragment_shaded`, and those of skirts.
 pub const FRAGMENT_STAGE: Part =
     Part { file: "fragment_stage.wgsl", text: include_str!("../../../../shaders/fragment_stage.wgsl") };
 
 const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+
+/// What is drawn of the triangles, by pipelines of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Extent {
+    /// All but skirts, at the depth of the triangles.
+    Faces,
+    /// The skirts, which bounded faces have, at the depth of what they show: so nothing of them is culled early.
+    Skirts,
+}
+
+/// A pipeline draws a program's triangles, or their skirts, to targets.
+type Pipelines = HashMap<(Program, Output, Extent), RenderPipeline>;
 
 /// What the vertex stage of a technique is fed with.
 pub trait Feed: Clone + Sized + 'static {
@@ -71,6 +83,11 @@ pub trait Feed: Clone + Sized + 'static {
         &[]
     }
 
+    /// The vertex stage's entry point.
+    fn vertex(_extent: Extent) -> &'static str {
+        "vertex"
+    }
+
     /// Draws all of a step, in order, each with the pipeline of its program; of a program that no face has nothing is drawn.
     fn draw<'p>(
         &self,
@@ -97,9 +114,11 @@ pub struct Draw<F> {
     depth: DepthOrder,
     fed: F,
     scene: SceneLayouts,
+    /// Faces, and skirts where the scene has bounded faces.
+    extents: &'static [Extent],
     layout: wgpu::PipelineLayout,
     /// Made when first drawn with: a driver may take seconds to compile one.
-    pipelines: HashMap<(Program, Output), RenderPipeline>,
+    pipelines: Pipelines,
 }
 
 impl<F: Feed> Draw<F> {
@@ -118,8 +137,9 @@ impl<F: Feed> Draw<F> {
             let groups: Vec<_> = [Some(&scene.layouts.scene)].into_iter().chain(fed.layouts()).collect();
             device.pipeline_layout("scene", &groups)
         })?;
+        let extents: &[Extent] = if scene.is_trimmed { &[Extent::Faces, Extent::Skirts] } else { &[Extent::Faces] };
         let (technique, scene) = (prepared.technique(), scene.layouts.clone());
-        Ok(Self { technique, depth, fed, scene, layout, pipelines: HashMap::new() })
+        Ok(Self { technique, depth, fed, scene, extents, layout, pipelines: HashMap::new() })
     }
 
     fn pipeline(
@@ -127,11 +147,13 @@ impl<F: Feed> Draw<F> {
         device: &Device,
         program: Program,
         module: &wgpu::ShaderModule,
-        output: Output,
+        (output, extent): (Output, Extent),
     ) -> Result<wgpu::RenderPipeline, GpuError> {
-        let entry = match output {
-            Output::GBuffer => "fragment_gbuffer",
-            Output::Shaded => "fragment_shaded",
+        let entry = match (output, extent) {
+            (Output::GBuffer, Extent::Faces) => "fragment_gbuffer",
+            (Output::GBuffer, Extent::Skirts) => "skirt_gbuffer",
+            (Output::Shaded, Extent::Faces) => "fragment_shaded",
+            (Output::Shaded, Extent::Skirts) => "skirt_shaded",
         };
         let targets: Vec<_> = output.formats().iter().map(|&format| Some(format.into())).collect();
         let compare = match self.depth {
@@ -143,7 +165,7 @@ impl<F: Feed> Draw<F> {
             layout: Some(&self.layout),
             vertex: wgpu::VertexState {
                 module,
-                entry_point: Some("vertex"),
+                entry_point: Some(F::vertex(extent)),
                 compilation_options: Default::default(),
                 buffers: F::buffers(),
             },
@@ -180,9 +202,11 @@ impl<F: Feed> Pass for Draw<F> {
     fn prepare(&mut self, device: &Device, modules: &Modules, output: Output) -> Result<(), GpuError> {
         self.fed.prepare(device, &self.scene, modules)?;
         for (&program, module) in modules {
-            if !self.pipelines.contains_key(&(program, output)) {
-                let pipeline = self.pipeline(device, program, module, output)?;
-                self.pipelines.insert((program, output), pipeline);
+            for &extent in self.extents {
+                if !self.pipelines.contains_key(&(program, output, extent)) {
+                    let pipeline = self.pipeline(device, program, module, (output, extent))?;
+                    self.pipelines.insert((program, output, extent), pipeline);
+                }
             }
         }
         Ok(())
@@ -194,7 +218,7 @@ impl<F: Feed> Pass for Draw<F> {
             device.texture("depth", targets.viewport, DEPTH_FORMAT, usage).create_view(&Default::default())
         })?;
         let (fed, pipelines) = (self.fed.frame(device)?, self.pipelines.clone());
-        Ok(Box::new(Drawn { depth: self.depth, fed, pipelines, depth_buffer }))
+        Ok(Box::new(Drawn { depth: self.depth, fed, extents: self.extents, pipelines, depth_buffer }))
     }
 
     fn set(&mut self, device: &Device, drawn: &dyn Drawable) -> Result<(), GpuError> {
@@ -211,7 +235,8 @@ impl<F: Feed> Pass for Draw<F> {
 struct Drawn<F> {
     depth: DepthOrder,
     fed: F,
-    pipelines: HashMap<(Program, Output), RenderPipeline>,
+    extents: &'static [Extent],
+    pipelines: Pipelines,
     depth_buffer: wgpu::TextureView,
 }
 
@@ -259,7 +284,10 @@ impl<F: Feed> Frame for Drawn<F> {
             });
             pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
             pass.set_bind_group(0, &scene.group, &[]);
-            self.fed.draw(&mut pass, &|program| self.pipelines.get(&(program, targets.output)), step);
+            for &extent in self.extents {
+                let pipeline = |program| self.pipelines.get(&(program, targets.output, extent));
+                self.fed.draw(&mut pass, &pipeline, step);
+            }
         }
     }
 
