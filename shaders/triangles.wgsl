@@ -21,7 +21,7 @@ struct Shown {
 }
 
 fn is_of_skirt(in: Sample) -> bool {
-    return TRIMMED && is_on_skirt(faces[in.face], in.given);
+    return TRIMMED && (faces[in.face].flags & BOUNDED) != 0u && is_on_skirt(faces[in.face], in.given);
 }
 
 // The program at the interpolated (u, v), but on a skirt at the place of the face that is nearest to the pixel; what lies behind

@@ -61,6 +61,22 @@ fn cells_of(grid: u32) -> vec2<u32> {
     return (vec2<u32>(1u) << grids[grid].level) + countOneBits(vec2<u32>(sides & (3u * LOW_U), sides & (3u * LOW_V)));
 }
 
+// Whether a square of cells, the first of them and how many along each side, is of a skirt or beside one: interpolation may leave the face
+// for the skirt by a rounding error.
+fn is_beside_skirt(grid: u32, first: vec2<u32>, count: u32) -> bool {
+    let sides = vec2<u32>(grids[grid].sides);
+    let low = (sides & vec2<u32>(LOW_U, LOW_V)) != vec2<u32>(0u);
+    let high = (sides & vec2<u32>(2u * LOW_U, 2u * LOW_V)) != vec2<u32>(0u);
+    return any((low & (first <= vec2<u32>(1u))) | (high & (first + count + 1u >= cells_of(grid))));
+}
+
+// Beyond the near plane: triangles whose corners are all there have no pixels.
+fn nowhere() -> VertexOutput {
+    var out: VertexOutput;
+    out.clip = vec4<f32>(0.0, 0.0, 2.0, 1.0);
+    return out;
+}
+
 // The corner in a row, which is along v, and a column of a grid.
 fn corner_at(grid: u32, row: u32, column: u32) -> VertexOutput {
     let sides = grids[grid].sides;

@@ -22,7 +22,8 @@ struct MadeCorner {
     normal: vec3<f32>,
     face: u32,
     local: vec3<f32>,
-    padding: u32,
+    // Whether its zone may show a skirt.
+    is_beside_skirt: u32,
 }
 
 // The number of each grid's first zone, and one more behind the last.
@@ -63,11 +64,25 @@ fn tessellate(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     let zone = zones[group.x];
     let at = min(zone.yz + vec2<u32>(k / ACROSS, k % ACROSS), cells_of(zone.x));
     let v = corner_at(zone.x, at.x, at.y);
-    made[group.x * ACROSS * ACROSS + k] = MadeCorner(v.clip, v.uv, v.span, v.normal, v.face, v.local, 0u);
+    let is_beside = select(0u, 1u, is_beside_skirt(zone.x, zone.yz, SIDE));
+    made[group.x * ACROSS * ACROSS + k] = MadeCorner(v.clip, v.uv, v.span, v.normal, v.face, v.local, is_beside);
 }
 
 @vertex
 fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) zone: u32) -> VertexOutput {
+    return vertex_of(index, zone);
+}
+
+// Of zones that may show skirts alone.
+@vertex
+fn skirt_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) zone: u32) -> VertexOutput {
+    if (corners[zone * ACROSS * ACROSS].is_beside_skirt == 0u) {
+        return nowhere();
+    }
+    return vertex_of(index, zone);
+}
+
+fn vertex_of(index: u32, zone: u32) -> VertexOutput {
     let cell = index / 6u;
     let at = vec2<u32>(cell / SIDE, cell % SIDE) + corner_of_cell(index % 6u);
     let v = corners[(zone * ACROSS + at.x) * ACROSS + at.y];

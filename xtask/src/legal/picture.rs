@@ -15,7 +15,7 @@ use isophote::stage::Stage;
 use nurbs::NormalStatus;
 use pipeline::fragment::{Fragment, is_on_skirt};
 use pipeline::wgsl::{self, Variant};
-use pipeline::{Parameters, edge};
+use pipeline::{BOUNDED, Parameters, edge};
 use raster::coverage::for_each_covered;
 use raster::geometry::{Attributes, Geometry};
 use raster::rect::Rect;
@@ -183,7 +183,8 @@ impl<'s> Scene<'s> {
                     let uv = uv.map(|t| interpolated(&mut machine.arithmetic, t));
                     let input = sample_words(at, face, span, uv);
                     let is_nearer = |depth: f32| shown.as_ref().is_none_or(|(old, _)| depth > *old);
-                    if is_on_skirt(&self.stage.scene.faces()[face as usize], Parameters { span, uv }) {
+                    let record = &self.stage.scene.faces()[face as usize];
+                    if record.flags & BOUNDED != 0 && is_on_skirt(record, Parameters { span, uv }) {
                         if let Some(words) = machine.call("skirt_gbuffer", &[&input])? {
                             let depth = f32::from_bits(words[SKIRT_DEPTH]);
                             if is_nearer(depth) {

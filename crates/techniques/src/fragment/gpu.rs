@@ -2,7 +2,7 @@
 
 use super::tessellation::Tessellation;
 use crate::triangles::SAMPLE;
-use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
+use crate::triangles::gpu::{Draw, Extent, FRAGMENT_STAGE, Feed};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Pass, SceneBuffers};
 use pipeline::wgsl::Part;
 use pipeline::{Batch, Program, Vertex};
@@ -42,13 +42,24 @@ struct MeshBuffers {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     batches: Vec<Batch>,
+    /// Those that may show skirts.
+    skirt_indices: wgpu::Buffer,
+    skirt_batches: Vec<Batch>,
 }
 
 impl Feed for MeshBuffers {
     type Prepared = Tessellation;
 
-    fn new(device: &Device, Tessellation { mesh, .. }: &Tessellation) -> Result<Self, GpuError> {
+    fn new(device: &Device, tessellation: &Tessellation) -> Result<Self, GpuError> {
+        let mesh = &tessellation.mesh;
+        let (skirt_indices, skirt_batches) = tessellation.beside_skirts();
         Ok(Self {
+            skirt_indices: device.buffer(
+                "indices of skirts",
+                BufferUsages::INDEX,
+                bytemuck::cast_slice(&skirt_indices),
+            )?,
+            skirt_batches,
             vertices: device.buffer("vertices", BufferUsages::VERTEX, bytemuck::cast_slice(&mesh.vertices))?,
             indices: device.buffer("indices", BufferUsages::INDEX, bytemuck::cast_slice(&mesh.indices))?,
             batches: mesh.batches.clone(),
@@ -56,7 +67,12 @@ impl Feed for MeshBuffers {
     }
 
     fn bytes(&self) -> u64 {
-        self.vertices.size() + self.indices.size()
+        self.vertices.size() + self.indices.size() + self.skirt_indices.size()
+    }
+
+    /// Which triangles are drawn is all that differs.
+    fn vertex(_extent: Extent) -> &'static str {
+        "vertex"
     }
 
     fn buffers() -> &'static [Option<wgpu::VertexBufferLayout<'static>>] {
@@ -67,11 +83,16 @@ impl Feed for MeshBuffers {
         &self,
         pass: &mut RenderPass<'_>,
         pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>,
+        extent: Extent,
         _step: usize,
     ) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for batch in self.batches.iter().filter(|batch| batch.count > 0) {
+        let (indices, batches) = match extent {
+            Extent::Faces => (&self.indices, &self.batches),
+            Extent::Skirts => (&self.skirt_indices, &self.skirt_batches),
+        };
+        pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+        for batch in batches.iter().filter(|batch| batch.count > 0) {
             if let Some(pipeline) = pipeline(batch.program) {
                 pass.set_pipeline(pipeline);
                 pass.draw_indexed(batch.first..batch.first + batch.count, 0, 0..1);

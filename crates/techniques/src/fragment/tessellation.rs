@@ -14,7 +14,7 @@ use crate::triangles::patches::spans_of;
 use crate::triangles::rounding::rounding;
 use compare::Seams;
 use nurbs::Surface;
-use pipeline::{GREATEST_TRIANGLES, Mesh, PackedScene, Parameters, SEARCHED, Vertex, in_drawing_order};
+use pipeline::{Batch, GREATEST_TRIANGLES, Mesh, PackedScene, Parameters, SEARCHED, Vertex, in_drawing_order};
 use rayon::prelude::*;
 use scene::{Face, FaceId, Model};
 use std::collections::BTreeSet;
@@ -200,6 +200,28 @@ impl Tessellation {
     /// For each face and each of its Bézier pieces how it is cut.
     pub fn normal_cells(&self) -> &[Vec<compare::Cells>] {
         &self.normal_cells
+    }
+
+    /// The triangles that are of a skirt or touch the border before one, from where interpolation may step onto it by a rounding error:
+    /// their indices, and those of each program.
+    pub(super) fn beside_skirts(&self) -> (Vec<u32>, Vec<Batch>) {
+        let is_beside = |number: &u32| {
+            let Vertex { face, span, uv, .. } = self.mesh.vertices[*number as usize];
+            let Cells::OfSpans(spans) = &self.cells[face as usize] else { return false };
+            let is_at_end =
+                |k: usize| (span[k] == 0 && uv[k] <= 0.0) || (span[k] as usize + 1 == spans[k].len() && uv[k] >= 1.0);
+            self.skirts[face as usize].is_some() && (0..2).any(is_at_end)
+        };
+        let mut beside = Mesh::default();
+        for batch in &self.mesh.batches {
+            let first = beside.indices.len() as u32;
+            let triangles = self.mesh.indices[batch.first as usize..][..batch.count as usize].chunks_exact(3);
+            triangles
+                .filter(|corners| corners.iter().any(is_beside))
+                .for_each(|corners| beside.indices.extend(corners));
+            beside.batch(batch.program, first);
+        }
+        (beside.indices, beside.batches)
     }
 
     /// Of each face, model units: the greatest local unit in which its corners are narrowed; and how far off the device evaluates some of

@@ -301,17 +301,11 @@ impl Feed for Generator {
         }
     }
 
-    fn vertex(extent: Extent) -> &'static str {
-        match extent {
-            Extent::Faces => "vertex",
-            Extent::Skirts => "skirt_vertex",
-        }
-    }
-
     fn draw<'p>(
         &self,
         pass: &mut RenderPass<'_>,
         pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>,
+        _extent: Extent,
         _step: usize,
     ) {
         pass.set_index_buffer(self.buffers.indices.slice(..), wgpu::IndexFormat::Uint16);

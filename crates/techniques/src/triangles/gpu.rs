@@ -84,15 +84,20 @@ pub trait Feed: Clone + Sized + 'static {
     }
 
     /// The vertex stage's entry point.
-    fn vertex(_extent: Extent) -> &'static str {
-        "vertex"
+    fn vertex(extent: Extent) -> &'static str {
+        match extent {
+            Extent::Faces => "vertex",
+            Extent::Skirts => "skirt_vertex",
+        }
     }
 
-    /// Draws all of a step, in order, each with the pipeline of its program; of a program that no face has nothing is drawn.
+    /// Draws all of a step, in order, each with the pipeline of its program; of a program that no face has nothing is drawn. What cannot
+    /// show a skirt may be left out of skirts.
     fn draw<'p>(
         &self,
         pass: &mut RenderPass<'_>,
         pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>,
+        extent: Extent,
         step: usize,
     );
 
@@ -286,7 +291,7 @@ impl<F: Feed> Frame for Drawn<F> {
             pass.set_bind_group(0, &scene.group, &[]);
             for &extent in self.extents {
                 let pipeline = |program| self.pipelines.get(&(program, targets.output, extent));
-                self.fed.draw(&mut pass, &pipeline, step);
+                self.fed.draw(&mut pass, &pipeline, extent, step);
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::plan::{SIDE, Step, Zones};
 use crate::grid::CORNER;
 use crate::triangles::SAMPLE;
-use crate::triangles::gpu::{Draw, FRAGMENT_STAGE, Feed};
+use crate::triangles::gpu::{Draw, Extent, FRAGMENT_STAGE, Feed};
 use gpu::groups::{PART_STRIDE, READ, UNIFORM_AT, WRITE, part, whole};
 use gpu::{DepthOrder, Device, Drawable, GpuError, Modules, Pass, SceneBuffers, SceneLayouts};
 use pipeline::Program;
@@ -143,6 +143,7 @@ impl Feed for Generator {
         &self,
         pass: &mut RenderPass<'_>,
         pipeline: &dyn Fn(Program) -> Option<&'p RenderPipeline>,
+        _extent: Extent,
         step: usize,
     ) {
         let Some(Step { program, zones }) = self.steps.get(step) else { return };
