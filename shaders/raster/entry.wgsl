@@ -195,7 +195,7 @@ fn cover_shared(piece: Piece, triangle: u32, k: u32, threads: u32) {
 // A triangle, or a part of a cut one: then also what each of its corners carries of the whole one's, and its own u and v.
 struct Piece {
     t: Flat,
-    // Whether the triangle has samples on a skirt.
+    // Whether the triangle may have samples on a skirt.
     of_skirt: bool,
     is_part: bool,
     u: vec3<f32>,
@@ -207,6 +207,7 @@ fn whole_piece(t: Flat, triangle: u32) -> Piece {
     return Piece(t, reaches_skirt(triangle), false, vec3<f32>(), vec3<f32>(), mat3x3<f32>());
 }
 
+// Whether a triangle is of a skirt or touches the border before one, from where interpolation may step onto it by a rounding error.
 fn reaches_skirt(triangle: u32) -> bool {
     if (!is_asked(triangle)) {
         return false;
@@ -215,8 +216,12 @@ fn reaches_skirt(triangle: u32) -> bool {
     var reaches = false;
     for (var i = 0u; i < 3u; i++) {
         let corner = corners[i];
+        let face = faces[face_of(corner)];
         let uv = vec2<f32>(number_of(corner, 3u), number_of(corner, 4u));
-        reaches = reaches || is_on_skirt(faces[face_of(corner)], Parameters(span_at(corner), uv));
+        let span = span_at(corner);
+        let is_low = (uv <= vec2<f32>(0.0)) & (span == vec2<u32>(0u));
+        let is_high = (uv >= vec2<f32>(1.0)) & (span + 1u == vec2<u32>(face.spans_u, face.spans_v));
+        reaches = reaches || any(is_low | is_high);
     }
     return reaches;
 }

@@ -22,7 +22,7 @@ struct Shrinking<'k> {
     asked: usize,
 }
 
-/// The program with the least that is still as `is_kept` asks, as far as [`MOST`] questions go; it may mean something else.
+/// The program with the least that is still as `is_kept` asks, as far as `MOST` questions go; it may mean something else.
 pub fn shrunk(program: &str, called: &[&str], is_kept: &mut dyn FnMut(&str) -> bool) -> String {
     let mut shrinking = Shrinking { program: lean(program, called), called, is_kept, asked: 0 };
     loop {

@@ -57,16 +57,16 @@ impl Visibility for Triangles<'_> {
                 // Of equal depths the one drawn first stays.
                 waiting.decide(drawing, &mut tile);
             }
-            let is_of_skirt = cut::is_of_skirt(drawing, &attributes);
+            let reaches_skirt = cut::reaches_skirt(drawing, &attributes);
             for_each_covered(&triangle, rect, |x, y| {
                 // No point of a triangle is nearer than its nearest corner: most hidden samples end here. What a skirt shows may be.
-                if !is_of_skirt && !tile.passes(x, y, nearest) {
+                if !reaches_skirt && !tile.passes(x, y, nearest) {
                     return;
                 }
                 let depth = triangle.depth(x, y);
                 if !is_bounded {
                     tile.test(x, y, depth, owner as u32);
-                } else if is_of_skirt || tile.passes(x, y, depth) {
+                } else if reaches_skirt || tile.passes(x, y, depth) {
                     let weights = triangle.weights(x, y);
                     let place = Parameters { span: attributes.span, uv: triangle.interpolate(weights, attributes.uv) };
                     waiting.add(drawing, &mut tile, attributes.face, place, ([x, y], depth, owner as u32));

@@ -75,9 +75,14 @@ pub fn drawn(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2], dept
     covers(drawing, face, place, &tangent_plane(drawing.scene, face, place), at, depth)
 }
 
-/// Whether a triangle of a face, with these attributes, is on its skirt.
-pub fn is_of_skirt(drawing: &Drawing, Attributes { face, span, uv, .. }: &Attributes) -> bool {
-    uv.iter().any(|&uv| is_on_skirt(drawing, *face, Parameters { span: *span, uv }))
+/// Whether a triangle of a face, with these attributes, is of its skirt or touches the border before one, from where interpolation may
+/// step onto it by a rounding error.
+pub fn reaches_skirt(drawing: &Drawing, Attributes { face, span, uv, .. }: &Attributes) -> bool {
+    let face = &drawing.scene.faces()[*face as usize];
+    let last = [face.spans_u - 1, face.spans_v - 1];
+    let is_at_end =
+        |uv: &[f32; 2]| (0..2).any(|k| (uv[k] <= 0.0 && span[k] == 0) || (uv[k] >= 1.0 && span[k] == last[k]));
+    face.flags & BOUNDED != 0 && uv.iter().any(is_at_end)
 }
 
 /// Whether a fragment of a face is on its skirt: there it shows the surface's own point, wherever it settles.
