@@ -1,8 +1,8 @@
 //! The crates depend on each other as ARCHITECTURE.md draws it, and in no other way.
 
+use crate::metadata::metadata;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::process::Command;
 
 /// Every arrow that may be drawn: a crate and those it may use.
 const ARROWS: &[(&str, &[&str])] = &[
@@ -74,13 +74,7 @@ fn forbidden(drawn: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
 
 #[test]
 fn crates_use_each_other_only_as_the_architecture_draws_it() {
-    let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--no-deps", "--format-version", "1", "--offline"])
-        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .output()
-        .expect("cargo runs");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let metadata = serde_json::from_slice(&output.stdout).expect("cargo metadata prints JSON");
+    let metadata = metadata(&["--no-deps"]);
     let drawn = drawn(&metadata);
     assert_eq!(forbidden(&drawn), Vec::<String>::new());
     let crates: BTreeSet<&str> = drawn.keys().map(String::as_str).collect();

@@ -83,7 +83,7 @@ fn judged_from(distance: f64) -> PairReport {
 }
 
 /// What the program makes of a place that a ray meets.
-fn drawn(stage: &Stage, hit: &Hit, ray: &Ray) -> Hit {
+pub(crate) fn drawn(stage: &Stage, hit: &Hit, ray: &Ray) -> Hit {
     let [[u0, u1], [v0, v1]] = stage.model.surface(hit.face).domain();
     let uv = [(hit.uv.x - u0) / (u1 - u0), (hit.uv.y - v0) / (v1 - v0)].map(|t| t as f32);
     let fragment = pipeline::fragment::fragment(&stage.scene, hit.face.0, Parameters::searched(uv), true);

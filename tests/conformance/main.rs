@@ -15,6 +15,7 @@ mod hidden;
 mod judging;
 mod kernels;
 mod licences;
+mod metadata;
 mod rays;
 mod samples;
 mod seams;

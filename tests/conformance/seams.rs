@@ -1,11 +1,11 @@
 //! Pixels left out where two faces meet: a renderer whose triangles meet there vertex on vertex leaves out none.
 
+use crate::hidden::drawn;
 use compare::Cause;
 use gbuffer::{GBuffer, Hit};
 use isophote::stage::{Plan, Stage};
-use pipeline::Parameters;
 use raycast::Caster;
-use scene::{Camera, Model, Ray, Viewport};
+use scene::{Camera, Model, Viewport};
 
 const WIDTH: usize = 96;
 const HEIGHT: usize = 72;
@@ -27,14 +27,6 @@ fn is_at_seam(raycast: &GBuffer, x: usize, y: usize) -> bool {
     let around: Vec<Option<&Hit>> = (0..9).map(|k| raycast.get(x + k % 3 - 1, y + k / 3 - 1)).collect();
     let is_near = |hit: &Option<&Hit>| hit.is_some_and(|hit| (hit.t / own.t - 1.0).abs() < 0.03);
     around.iter().all(is_near) && around.iter().flatten().any(|hit| hit.face != own.face)
-}
-
-/// What the program makes of a place that a ray meets.
-fn drawn(stage: &Stage, hit: &Hit, ray: &Ray) -> Hit {
-    let [[u0, u1], [v0, v1]] = stage.model.surface(hit.face).domain();
-    let uv = [(hit.uv.x - u0) / (u1 - u0), (hit.uv.y - v0) / (v1 - v0)].map(|t| t as f32);
-    let fragment = pipeline::fragment::fragment(&stage.scene, hit.face.0, Parameters::searched(uv), true);
-    stage.scene.hit(&fragment, ray)
 }
 
 /// How many pixels at seams were made wrong, and how many of them the judge let pass, against rays and against the CPU's picture.

@@ -320,7 +320,8 @@ impl Pair<'_, '_> {
         let hiding = || once(*occluder).chain(self.layers(center)).filter(|q| hides(&q));
         if own
             || behind_own_face()
-            || self.ends_nearby(occluder, center, bound, &|at, first| {
+            || self.borders(occluder, center, bound).ends
+            || self.passes_by(occluder, center, bound, &|at, first| {
                 first.is_none_or(|q| behind(q) || self.leans_into_view(candidate, occluder, at, q, slack))
             })
             || self.exact && self.each_ends_nearby(hiding(), center, bound_px, &|q| !behind(q))
@@ -371,11 +372,12 @@ impl Pair<'_, '_> {
     fn missing(&self, center: DVec2, reference: &Hit) -> Result<(), Difference> {
         let bound = self.bound_at(reference).across;
         // Two rasterizers may each leave a crack between faces that do not meet vertex on vertex.
-        let beyond = self.borders(reference, center, bound).beyond;
+        let Nearby { ends, beyond } = self.borders(reference, center, bound);
         let is_other = |face: FaceId| face != reference.face && !beyond.contains(&face);
         let is_edge = |first: Option<&Hit>| first.is_none_or(|q| !self.exact && is_other(q.face));
         let missing = || once(*reference).chain(self.layers(center));
-        if self.ends_nearby(reference, center, bound, &|_, first| is_edge(first))
+        if ends
+            || self.passes_by(reference, center, bound, &|_, first| is_edge(first))
             || self.exact && self.each_ends_nearby(missing(), center, 0.0, &|_| true)
         {
             return Ok(());
@@ -499,11 +501,6 @@ impl Pair<'_, '_> {
     /// All that the reference draws at a position.
     fn layers(&self, at: DVec2) -> Vec<Hit> {
         self.sampler.layers(at.x, at.y)
-    }
-
-    /// Whether a hit's face ends within the bound: at a border, or where the reference sees past it.
-    fn ends_nearby(&self, hit: &Hit, center: DVec2, bound: f64, is_past: &dyn Fn(DVec2, Option<&Hit>) -> bool) -> bool {
-        self.borders(hit, center, bound).ends || self.passes_by(hit, center, bound, is_past)
     }
 
     /// Whether the face of each of these hits ends within the bound, of at least `bound_px`, as far as it is in the way: there may be

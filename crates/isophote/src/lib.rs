@@ -30,6 +30,7 @@ pub mod entry;
 pub mod eval;
 pub mod format;
 pub mod info;
+pub mod leaf;
 pub mod limits;
 pub mod lines;
 pub mod listing;

@@ -3,6 +3,7 @@
 //! `panel` has the same options as the controls of a window, `words` says which command line asks for them. What a surface mirrors is
 //! an `environment` or a `pattern` (`mirror`); `lights` are those of a body for which no light is given.
 
+mod by_view;
 mod environment;
 mod lights;
 mod mirror;

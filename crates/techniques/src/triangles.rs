@@ -7,7 +7,7 @@ pub mod bounds;
 pub mod coarsened;
 pub mod compute;
 pub mod cpu;
-mod cut;
+pub mod cut;
 pub mod floor;
 pub mod frustum;
 pub mod gpu;

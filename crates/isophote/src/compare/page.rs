@@ -4,15 +4,13 @@ use super::maps::{self, AGREES, BEYOND, NO_VERDICT, SHARE_ENDS};
 use super::next::Next;
 use super::pictures::Pictures;
 use super::verdict::short;
-use crate::words;
+use crate::leaf;
 use anyhow::Result;
 use compare::{PairReport, Verdict};
 use scene::Viewport;
 use std::fmt::Write;
 use suite::embedded::data_uri;
 use suite::text::html;
-
-const STYLE: &str = include_str!("../../assets/report.css");
 
 /// What a page shows besides its pictures.
 pub(super) struct Page<'a> {
@@ -42,30 +40,16 @@ impl Page<'_> {
             1 => ("differ", "Differ."),
             _ => ("partial", "Not all was compared."),
         };
-        let mut page = format!(
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-             <meta name=\"color-scheme\" content=\"light dark\"><title>{title}</title>\
-             <link rel=\"icon\" href=\"data:,\"><style>{STYLE}</style></head>\n<body>\n<header><div class=\"wide bar\"><div>\
-             <p class=\"brand\">Isophote</p><h1>{title}</h1></div></div>\n\
-             <div class=\"verdict {state}\" role=\"status\"><p><strong>{word}</strong>{}</p></div></header>\n<main class=\"wide\">\n",
-            html(&self.line)
-        );
+        let mut page = leaf::begun(&title, (state, word, &self.line));
         page.push_str("<section><h2>Pictures</h2><div class=\"maps large\">\n");
         for (name, picture) in pictures.named()? {
-            figure(&mut page, &html(name), &data_uri(&picture)?)?;
+            leaf::figure(&mut page, &html(name), &data_uri(&picture)?)?;
         }
         page.push_str("</div></section>\n");
         for pair in self.pairs {
             self.pair(&mut page, pair)?;
         }
-        page.push_str("<section><h2>Settings</h2><table><tbody>\n");
-        for (name, value) in &self.facts {
-            writeln!(page, "<tr><th scope=\"row\">{name}</th><td>{}</td></tr>", html(value))?;
-        }
-        writeln!(page, "</tbody></table><h3>Again</h3><code>{}</code></section>", html(&words::again()))?;
-        page.push_str("</main>\n<footer class=\"wide quiet\">One file, nothing fetched.</footer>\n</body></html>\n");
-        Ok(page)
+        leaf::ended(page, &self.facts)
     }
 
     fn pair(&self, page: &mut String, pair: &PairReport) -> Result<()> {
@@ -77,8 +61,8 @@ impl Page<'_> {
         };
         writeln!(page, "<section><h2>{name} <span class=\"badge {state}\">{word}</span></h2>")?;
         writeln!(page, "<p class=\"lead\">{}</p>\n<div class=\"maps large\">", html(&pair.bounds))?;
-        figure(page, "Share used of what is allowed", &data_uri(&maps::shares(pair, self.viewport)?)?)?;
-        figure(page, "Causes", &data_uri(&maps::causes(pair, self.viewport)?)?)?;
+        leaf::figure(page, "Share used of what is allowed", &data_uri(&maps::shares(pair, self.viewport)?)?)?;
+        leaf::figure(page, "Causes", &data_uri(&maps::causes(pair, self.viewport)?)?)?;
         page.push_str("</div>\n<ul class=\"legend\">");
         let [low, high] = SHARE_ENDS.map(colour);
         write!(
@@ -141,10 +125,6 @@ fn worst(page: &mut String, pair: &PairReport, next: &Next) -> Result<()> {
         writeln!(page, "<h3>Next</h3><code>{}</code>", html(&next.command(pixel)))?;
     }
     Ok(())
-}
-
-fn figure(page: &mut String, caption: &str, uri: &str) -> Result<()> {
-    Ok(writeln!(page, "<figure><figcaption>{caption}</figcaption><img src=\"{uri}\" alt=\"{caption}\"></figure>")?)
 }
 
 fn colour([r, g, b]: [u8; 3]) -> String {

@@ -377,13 +377,8 @@ impl Saved {
             file.is_twin(plan).then(|| Stage::new(&self.model, self.camera, self.viewport, drawn)).transpose()?;
         let deviation = file.deviation(&self.model, &self.camera, plan, stage.as_ref())?;
         let caster = Caster::new(&self.model);
-        let [x, y] = at;
-        let cast = caster.first(&self.camera.ray(self.viewport, x as f64 + 0.5, y as f64 + 0.5));
-        let row = |row| (0..self.viewport.width()).map(|column| cast.hit.filter(|_| [column, row] == at)).collect();
-        let meta = Meta::new(RAYCAST, RAYS, &self.model, &self.camera);
-        let reference = GBuffer::from_rows(self.viewport, meta, (0..self.viewport.height()).map(row))
-            .with_undecided(cast.undecided.map(|_| (x, y)));
         let rays = Rays { caster: &caster, camera: self.camera, viewport: self.viewport };
+        let (cast, reference) = rays.alone(at, Meta::new(RAYCAST, RAYS, &self.model, &self.camera));
         let scene = self.as_read(&drawn)?;
         let judge = Judge::new(&self.model, &self.camera, self.viewport, &scene);
         let verdict = judge.pixel(&reference, &rays, &file.buffer, &deviation, true, at)?;

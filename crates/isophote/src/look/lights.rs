@@ -4,15 +4,14 @@
 //! Diffuse light, and Blinn's highlights of the key and of the rim (doi:10.1145/965141.563893), in linear light, encoded by a square
 //! root as the shading by one light is. The surface has two sides: normals are turned toward the eye.
 
+use super::by_view::coloured;
 use anyhow::Result;
-use gbuffer::{GBuffer, Hit, Picture, background, unorm8};
+use gbuffer::{GBuffer, Picture};
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use scene::Camera;
 
-/// The body's colour, and its colour where there is no normal.
+/// The body's colour.
 const BASE: Vec3 = Vec3::new(0.44, 0.56, 0.66);
-const UNDEFINED: [f32; 3] = [1.0, 0.0, 1.0];
 
 /// Light from everywhere.
 const AMBIENT: f32 = 0.03;
@@ -38,20 +37,9 @@ const GLOSS: i32 = 48;
 /// # Errors
 /// None: it is of the buffer's size.
 pub fn lit(buffer: &GBuffer, camera: &Camera) -> Result<Picture> {
-    let viewport = buffer.viewport();
     let world = |v: DVec3| (v.x * camera.right() + v.y * camera.above() - v.z * camera.forward()).normalize();
     let lights = LIGHTS.map(|light| Light { toward: world(light.toward), ..light });
-    let of = |x: usize, y: usize, hit: &Hit| {
-        let Some(n) = hit.normal.unit() else { return UNDEFINED };
-        let view = camera.ray(viewport, x as f64 + 0.5, y as f64 + 0.5).direction;
-        shaded(if n.dot(view) < 0.0 { n } else { -n }, -view, &lights).to_array()
-    };
-    let pixel = |i: usize| {
-        let (x, y) = (i % viewport.width(), i / viewport.width());
-        buffer.get(x, y).map_or_else(background, |hit| unorm8(of(x, y, hit)))
-    };
-    let rgb = (0..viewport.pixels()).into_par_iter().map(pixel).collect();
-    Ok(Picture::new(viewport.width(), viewport.height(), rgb)?)
+    coloured(buffer, camera, |n, view| shaded(if n.dot(view) < 0.0 { n } else { -n }, -view, &lights).to_array())
 }
 
 /// The colour of a normal that is turned toward the eye; all directions are of unit length.

@@ -3,6 +3,7 @@
 use super::measured::{Measured, Spread};
 use super::report::{Report, Worst, short};
 use crate::brush::Brush;
+use crate::leaf;
 use crate::words;
 use anyhow::Result;
 use gbuffer::{GBuffer, Picture};
@@ -11,8 +12,6 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 use suite::embedded::data_uri;
 use suite::text::html;
-
-const STYLE: &str = include_str!("../../assets/report.css");
 
 /// The ring round a worst place: its radius, half the width of its line, and places along it.
 const RING: f64 = 9.0;
@@ -32,15 +31,7 @@ pub fn page(report: &Report, buffer: &GBuffer, measured: &Measured, facts: &[(&s
         (1, _) => ("differ", "Beyond."),
         _ => ("partial", "Nothing was seen."),
     };
-    let mut page = format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-         <meta name=\"color-scheme\" content=\"light dark\"><title>{title}</title>\
-         <link rel=\"icon\" href=\"data:,\"><style>{STYLE}</style></head>\n<body>\n<header><div class=\"wide bar\"><div>\
-         <p class=\"brand\">Isophote</p><h1>{title}</h1></div></div>\n\
-         <div class=\"verdict {state}\" role=\"status\"><p><strong>{word}</strong>{}</p></div></header>\n<main class=\"wide\">\n",
-        html(&report.line())
-    );
+    let mut page = leaf::begun(&title, (state, word, &report.line()));
     let unit = html(&report.unit);
     page.push_str("<section><h2>Pictures</h2><div class=\"maps large\">\n");
     let pictures = [
@@ -49,8 +40,7 @@ pub fn page(report: &Report, buffer: &GBuffer, measured: &Measured, facts: &[(&s
     ];
     for (caption, picture, worst) in pictures {
         let picture = worst.as_ref().map_or(Ok(picture.clone()), |worst| ringed(&picture, worst))?;
-        let uri = data_uri(&picture)?;
-        writeln!(page, "<figure><figcaption>{caption}</figcaption><img src=\"{uri}\" alt=\"{caption}\"></figure>")?;
+        leaf::figure(&mut page, &caption, &data_uri(&picture)?)?;
     }
     page.push_str(
         "</div><p class=\"quiet\">Above 0 the second version lies on the side that the first one's normal points to. ",
@@ -58,13 +48,7 @@ pub fn page(report: &Report, buffer: &GBuffer, measured: &Measured, facts: &[(&s
     page.push_str("A ring is round the worst place.</p></section>\n");
     spreads(&mut page, report)?;
     worst_places(&mut page, report)?;
-    page.push_str("<section><h2>Settings</h2><table><tbody>\n");
-    for (name, value) in facts {
-        writeln!(page, "<tr><th scope=\"row\">{name}</th><td>{}</td></tr>", html(value))?;
-    }
-    writeln!(page, "</tbody></table><h3>Again</h3><code>{}</code></section>", html(&words::again()))?;
-    page.push_str("</main>\n<footer class=\"wide quiet\">One file, nothing fetched.</footer>\n</body></html>\n");
-    Ok(page)
+    leaf::ended(page, facts)
 }
 
 /// A picture with a ring round a place, white in black.

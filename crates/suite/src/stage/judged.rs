@@ -4,9 +4,9 @@ use super::drawn::{Original, Rendered, Stage};
 use crate::progress::progress;
 use anyhow::Result;
 use compare::{Deviation, Judge, PairReport, PixelVerdict, Sampler};
-use gbuffer::{GBuffer, Hit};
+use gbuffer::{GBuffer, Hit, Meta};
 use raster::PointSampler;
-use raycast::Caster;
+use raycast::{Cast, Caster};
 use scene::{Camera, Viewport};
 
 /// The ray caster, asked at any position.
@@ -17,6 +17,17 @@ pub struct Rays<'a> {
     pub camera: Camera,
     /// At how many pixels.
     pub viewport: Viewport,
+}
+
+impl Rays<'_> {
+    /// The ray of pixel `at` alone: what it meets, and a G-buffer, of these facts, that holds nothing else.
+    pub fn alone(&self, [x, y]: [usize; 2], meta: Meta) -> (Cast, GBuffer) {
+        let Self { caster, camera, viewport } = self;
+        let cast = caster.first(&camera.ray(*viewport, x as f64 + 0.5, y as f64 + 0.5));
+        let row = |row| (0..viewport.width()).map(|column| cast.hit.filter(|_| [column, row] == [x, y])).collect();
+        let buffer = GBuffer::from_rows(*viewport, meta, (0..viewport.height()).map(row));
+        (cast, buffer.with_undecided(cast.undecided.map(|_| (x, y))))
+    }
 }
 
 impl Sampler for Rays<'_> {
@@ -133,12 +144,8 @@ impl Stage<'_> {
     /// # Errors
     /// Where the buffer is not of this stage.
     pub fn against_ray(&self, caster: &Caster, candidate: &GBuffer, at: [usize; 2]) -> Result<PixelVerdict> {
-        let [x, y] = at;
-        let cast = caster.first(&self.camera.ray(self.viewport, x as f64 + 0.5, y as f64 + 0.5));
-        let row = |row| (0..self.viewport.width()).map(|column| cast.hit.filter(|_| [column, row] == at)).collect();
-        let reference = GBuffer::from_rows(self.viewport, self.meta("raycast"), (0..self.viewport.height()).map(row))
-            .with_undecided(cast.undecided.map(|_| (x, y)));
         let rays = self.rays(caster);
+        let (_, reference) = rays.alone(at, self.meta("raycast"));
         Ok(self.judge(true).pixel(&reference, &rays, candidate, &self.deviation(true, None), true, at)?)
     }
 

@@ -8,6 +8,7 @@ use crate::technique::Setting;
 use crate::triangles::SKIRT_PX;
 use crate::triangles::bounds::Bounds;
 use crate::triangles::coarsened::{REFINED_TRIANGLES, coarsened};
+use crate::triangles::cut::is_at_border;
 use crate::triangles::floor::height;
 use crate::triangles::frustum::pixels;
 use crate::triangles::patches::spans_of;
@@ -208,9 +209,8 @@ impl Tessellation {
         let is_beside = |number: &u32| {
             let Vertex { face, span, uv, .. } = self.mesh.vertices[*number as usize];
             let Cells::OfSpans(spans) = &self.cells[face as usize] else { return false };
-            let is_at_end =
-                |k: usize| (span[k] == 0 && uv[k] <= 0.0) || (span[k] as usize + 1 == spans[k].len() && uv[k] >= 1.0);
-            self.skirts[face as usize].is_some() && (0..2).any(is_at_end)
+            let spans = spans.each_ref().map(|spans| spans.len() as u32);
+            self.skirts[face as usize].is_some() && is_at_border(Parameters { span, uv }, spans)
         };
         let mut beside = Mesh::default();
         for batch in &self.mesh.batches {

@@ -79,10 +79,13 @@ pub fn drawn(drawing: &Drawing, face: u32, place: Parameters, at: [f32; 2], dept
 /// step onto it by a rounding error.
 pub fn reaches_skirt(drawing: &Drawing, Attributes { face, span, uv, .. }: &Attributes) -> bool {
     let face = &drawing.scene.faces()[*face as usize];
-    let last = [face.spans_u - 1, face.spans_v - 1];
-    let is_at_end =
-        |uv: &[f32; 2]| (0..2).any(|k| (uv[k] <= 0.0 && span[k] == 0) || (uv[k] >= 1.0 && span[k] == last[k]));
-    face.flags & BOUNDED != 0 && uv.iter().any(is_at_end)
+    let is_at_border = |&uv| is_at_border(Parameters { span: *span, uv }, [face.spans_u, face.spans_v]);
+    face.flags & BOUNDED != 0 && uv.iter().any(is_at_border)
+}
+
+/// Whether a place is on the border of the domain, which has so many spans in u and in v, or beyond it.
+pub fn is_at_border(Parameters { span, uv }: Parameters, spans: [u32; 2]) -> bool {
+    (0..2).any(|k| (uv[k] <= 0.0 && span[k] == 0) || (uv[k] >= 1.0 && span[k] + 1 == spans[k]))
 }
 
 /// Whether a fragment of a face is on its skirt: there it shows the surface's own point, wherever it settles.
